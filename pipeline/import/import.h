@@ -1,0 +1,15 @@
+#pragma once
+
+// Reads a scene from any format furrow knows, told by content first, by extension second: glTF 2.0 (.gltf, .glb) through tinygltf;
+// OBJ, PLY, STL and OFF through OpenMesh.
+
+#include <filesystem>
+
+#include "pipeline/scene/source_scene.h"
+
+namespace furrow::pipeline {
+
+// Throws Error (kBadData: the file; kEnvironment: it cannot be opened). Images are not read.
+SourceScene import(const std::filesystem::path& file);
+
+}  // namespace furrow::pipeline

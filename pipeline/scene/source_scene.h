@@ -1,0 +1,73 @@
+#pragma once
+
+// A scene as read from a file, whatever its format: geometry in source order, rig, materials. Plain data; the importers guarantee that
+// every index is in range, that every number is finite, and that every array of a primitive has one entry a vertex or is empty.
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <string>
+#include <vector>
+
+#include "pipeline/scene/rig.h"
+
+namespace furrow::pipeline {
+
+// COLOR_n (linear, [0, 1] as the file has it) or a custom attribute _NAME.
+struct Attribute {
+  std::string name;
+  uint32_t components = 1;    // 1 to 4
+  std::vector<float> values;  // components a vertex
+};
+
+// Displacements of one morph target, only the vertices that move, ascending.
+struct MorphDelta {
+  std::vector<uint32_t> vertices;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;  // empty if the target has none
+};
+
+// A triangle list. Strips and fans have been turned into lists; points and lines are not here.
+struct Primitive {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;
+  std::vector<glm::vec4> tangents;
+  std::vector<glm::vec2> uvs;  // TEXCOORD_0
+  std::vector<Attribute> attributes;
+  uint32_t influences = 0;      // joints a vertex: 0 without skin, else a multiple of 4
+  std::vector<uint16_t> joints;  // influences a vertex, index into the skin's joints
+  std::vector<float> weights;    // influences a vertex, >= 0
+  std::vector<uint32_t> indices;
+  std::vector<MorphDelta> morphs;  // one a target of the mesh
+};
+
+// A primitive as one node shows it.
+struct Part {
+  std::string mesh;      // name of the mesh, or of its node; may be empty
+  uint32_t primitive = 0;
+  uint32_t material = kNoIndex;
+  uint32_t node = 0;
+  bool skinned = false;
+  uint32_t palette_begin = 0;  // skinned: joint j is palette[palette_begin + j]; else the node's entry
+  uint32_t palette_count = 1;
+  uint32_t first_morph = 0;    // the primitive's morph i is rig.morphs[first_morph + i]
+};
+
+struct Material {
+  std::string name;
+  glm::vec4 base_color{1.0f};  // linear
+};
+
+struct SourceScene {
+  std::filesystem::path file;
+  std::vector<Primitive> primitives;
+  std::vector<Part> parts;  // by mesh in file order, then primitive, then node: this is source vertex order
+  std::vector<Material> materials;
+  Rig rig;
+  std::vector<std::string> warnings;             // one line each, without the file's name
+  std::vector<std::filesystem::path> dependencies;  // every file read, `file` first
+};
+
+}  // namespace furrow::pipeline

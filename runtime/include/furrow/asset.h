@@ -1,0 +1,189 @@
+#pragma once
+
+// A cooked asset (.furrow) in memory: geometry, points, layers and maps, ready to be read by the jobs (jobs.h) and the frame plan
+// (frame_plan.h). Immutable after load(); any number of threads may read it.
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "furrow/status.h"
+#include "furrow/types.h"
+
+namespace furrow {
+
+inline constexpr uint32_t kFormatVersion = 1;  // bumped, never renumbered; docs/format.md says what each version changed
+inline constexpr uint32_t kMaxLayers = 16;
+inline constexpr uint32_t kMaxPaletteEntries = 65536;
+
+// How a layer measures the squeeze of a triangle, as q, 1 at rest (docs/architecture.md).
+enum class Measure : uint8_t {
+  kDirectional = 0,  // squared length ratio along the wrinkle direction [Larsson]
+  kArea = 1,         // area ratio [Oat]
+  kPrincipal = 2,    // the smaller eigenvalue of F^T F
+  kNone = 3,         // q = 1: the layer is driven by region weights alone
+};
+
+// How a squeeze becomes a weight.
+enum class Curve : uint8_t {
+  kLarsson = 0,  // I(alpha) = max(0, 1 - 2 / (1 + (alpha / lambda)^beta))   [Larsson, eq. 4]
+  kOat = 1,      // w = 1 - q                                               [Oat]
+};
+
+struct Response {
+  Curve curve = Curve::kLarsson;
+  float lambda = 1.0f;          // > 0; below 1 wrinkles at rest, 1 at the slightest squeeze, above 1 later
+  float beta = 4.0f;            // > 0; larger is steeper
+  float stretch_lambda = 1.0f;  // the same for the stretch response, which sees 1 / alpha
+  float stretch_beta = 4.0f;
+};
+
+// A run of vertices and triangles with one node, skin and material.
+struct Part {
+  std::string_view mesh;      // of the source; may be empty
+  std::string_view material;  // may be empty
+  uint32_t vertex_begin, vertex_end;
+  uint32_t triangle_begin, triangle_end;
+  uint32_t source_vertex_begin;  // where this part's vertices begin in source order
+  uint32_t texture_set;          // index into texture_sets, or kNone
+  Float4 base_color;             // linear; for previews
+  Affine rest;                   // part space -> the scene root's space at rest
+  bool has_normals, has_uvs;     // of the source; normals are computed where it had none, UVs are zero
+};
+
+// One matrix of the palette that poses the asset: palette[i] = world(node) * inverse_bind, where world() leads to the scene root. The
+// vertices of a mesh without skin are bound to an entry of their own, so that every vertex is posed in the same way.
+struct PaletteEntry {
+  std::string_view node;
+  uint32_t node_index;  // in the source file
+  Affine inverse_bind;
+};
+
+// A morph target: p += weight * position_step * position_deltas[i] for vertex vertices[i] (ascending), normals likewise.
+struct Morph {
+  std::string_view name;  // may be empty; several meshes may have targets of one name
+  float default_weight;
+  float position_step, normal_step;
+  std::span<const uint32_t> vertices;
+  std::span<const int16_t> position_deltas;  // 4 a vertex, the fourth 0
+  std::span<const int8_t> normal_deltas;     // 4 a vertex, the fourth 0; empty if the target has none
+};
+
+struct Layer {
+  std::string_view name;
+  Measure measure;
+  Response response;
+  std::span<const float> coefficients;   // coefficientCount(measure) a triangle; all zero: the triangle is in no ring
+  std::span<const int16_t> bias;         // a vertex, snorm16; empty: 0
+  std::span<const uint8_t> mask;         // a vertex, unorm8; empty: 1
+  std::span<const int8_t> direction;     // 3 a point, snorm8, unit, in root space at rest; empty for kNone
+  std::span<const uint8_t> confidence;   // a point, unorm8: how well the direction is known; empty for kNone
+  uint32_t mask_slice;                   // channel mask_slice % 4 of slice mask_slice / 4 of TextureSet::masks
+  uint32_t driver_begin, driver_end;     // in drivers()
+};
+
+// region weight of the layer += gain * morph weight
+struct Driver {
+  uint32_t morph;
+  float gain;
+};
+
+enum class TextureFormat : uint8_t {
+  kBc5 = 0,    // two channels, unorm: slope-space normal x, y
+  kBc4 = 1,    // one channel, unorm
+  kRgba8 = 2,  // four channels, unorm
+};
+
+// An array texture with its full mip chain. Slice s of level l is at data[offset(l) + s * size(l)], levels from the largest.
+struct Texture {
+  TextureFormat format;
+  uint32_t width, height, slices, levels;
+  std::span<const std::byte> data;  // tightly packed: all slices of level 0, then of level 1, ...
+};
+
+// The maps of the parts that share one UV space (one material). Per layer, a slice of `normals` and of `shading` for the compress pose and
+// for the stretch pose, kNone where it has no map there.
+struct TextureSet {
+  std::string_view name;
+  Texture normals;  // BC5: n.xy * 0.5 + 0.5 of the wrinkle normal in tangent space, z = sqrt(1 - x^2 - y^2); slices 0: no maps
+  Texture shading;  // BC4: the factor W of alpha shading, C = C0 (1 - I W); the slices are those of `normals`
+  Texture masks;    // RGBA8: four layers a slice; slices 0: use Layer::mask
+  uint32_t compress_slice[kMaxLayers];
+  uint32_t stretch_slice[kMaxLayers];
+};
+
+constexpr uint32_t coefficientCount(Measure measure) {
+  return measure == Measure::kDirectional ? 2u : measure == Measure::kArea ? 1u : measure == Measure::kPrincipal ? 3u : 0u;
+}
+
+// Bytes of one slice of one level.
+size_t textureLevelBytes(TextureFormat format, uint32_t width, uint32_t height, uint32_t level);
+
+// All spans point into the asset. Vertices are in the asset's own order, which is the decoded one.
+struct AssetView {
+  // Per vertex, in part space (Part::rest leads to root space).
+  std::span<const Float3> positions;
+  std::span<const Float3> normals;
+  std::span<const Float4> tangents;  // w: the sign of the bitangent
+  std::span<const Float2> uvs;
+  std::span<const uint32_t> source_vertex;  // a permutation of [0, vertices)
+  std::span<const uint32_t> vertex_point;   // < points
+  uint32_t influences = 1;                  // joints a vertex
+  std::span<const uint16_t> joints;         // influences a vertex, palette indices
+  std::span<const uint16_t> weights;        // influences a vertex, unorm16, sum exactly 65535
+
+  std::span<const uint32_t> indices;  // 3 a triangle, vertices
+
+  // The surface: the same triangles by the vertex that stands for each corner's point, and the rings.
+  std::span<const uint32_t> surface_indices;  // 3 a triangle, vertices
+  std::span<const uint32_t> point_vertex;     // the vertex that stands for the point
+  std::span<const uint32_t> ring_offsets;     // points + 1
+  std::span<const uint32_t> ring_triangles;
+  std::span<const uint16_t> ring_weights;  // rest angles; each ring sums to exactly 65535
+
+  // Morph deltas once more, gathered by vertex for the GPU: vertex v owns entries [morph_offsets[v], morph_offsets[v + 1]).
+  std::span<const uint32_t> morph_offsets;  // vertices + 1; empty without morphs
+  std::span<const uint32_t> morph_entries;  // 4 a entry: morph index, x | y << 16, z (int16 steps), normal (3 x int8 steps)
+
+  std::span<const Part> parts;
+  std::span<const PaletteEntry> palette;
+  std::span<const Morph> morphs;
+  std::span<const Layer> layers;
+  std::span<const Driver> drivers;
+  std::span<const TextureSet> texture_sets;
+
+  std::string_view tool_version;  // of the furrow that cooked it
+  std::string_view source;        // file name of what was cooked
+  std::span<const std::byte> rig;           // the section the pipeline's tools read nodes and clips from; opaque here
+  std::span<const std::byte> place_hash;    // the section PlaceHash reads
+  float position_error;                     // measured by the cook: largest |asset - source| at rest, in root space
+
+  uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }
+  uint32_t triangleCount() const { return static_cast<uint32_t>(indices.size() / 3); }
+  uint32_t pointCount() const { return static_cast<uint32_t>(point_vertex.size()); }
+  uint32_t layerCount() const { return static_cast<uint32_t>(layers.size()); }
+  // int16 a vertex in a weight buffer: the layers, rounded up to even so that GPUs can read pairs.
+  uint32_t weightStride() const { return (layerCount() + 1) & ~1u; }
+};
+
+class Asset {
+ public:
+  Asset();
+  ~Asset();
+  Asset(Asset&&) noexcept;
+  Asset& operator=(Asset&&) noexcept;
+
+  // Reads a whole .furrow file. Every byte is covered by a checksum and every count, offset and index is checked before it is used, so that
+  // the spans of view() can be trusted. `file` may be freed afterwards. On error the asset stays empty.
+  Status load(std::span<const std::byte> file);
+
+  const AssetView& view() const { return view_; }
+
+ private:
+  struct Storage;
+  AssetView view_;
+  std::unique_ptr<Storage> storage_;
+};
+
+}  // namespace furrow
