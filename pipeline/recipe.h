@@ -1,0 +1,108 @@
+#pragma once
+
+// What the artist asks of the cook. Recipes are JSON; docs/recipe.schema.json is their published schema and docs/recipe.md explains them.
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "furrow/asset.h"
+#include "pipeline/maps/synthesis.h"
+
+namespace furrow::pipeline {
+
+// Pose in which the surface is relaxed.
+struct RestBind {};
+struct RestClip {
+  std::string clip;  // name or number
+  double time = 0.0;
+};
+struct RestMorphs {
+  std::map<std::string, double> weights;
+};
+using Rest = std::variant<RestBind, RestClip, RestMorphs>;
+
+// Source of d, which lies ACROSS the creases.
+struct DirectionAnimation {};
+struct DirectionAxis {
+  std::array<double, 3> axis{};  // root space
+};
+struct DirectionAttribute {
+  std::string name;  // a 3-component vertex attribute, in the mesh's space
+};
+using Direction = std::variant<DirectionAnimation, DirectionAxis, DirectionAttribute>;
+
+struct MaskTexture {
+  std::filesystem::path texture;  // absolute
+  uint32_t channel = 0;           // 0 to 3: r g b a
+};
+struct MaskAttribute {
+  std::string name;  // e.g. COLOR_0
+  uint32_t channel = 0;
+};
+struct MaskAuto {};  // the surface, faded to where the clips squeeze it
+struct MaskNone {};  // the whole surface
+using Mask = std::variant<MaskAuto, MaskNone, MaskTexture, MaskAttribute>;
+
+struct Bias {
+  std::string attribute;
+  uint32_t channel = 0;
+  double neutral = 0.5;
+};
+
+struct MapNone {};
+struct MapNormal {
+  std::filesystem::path texture;
+};
+struct MapHeight {
+  std::filesystem::path texture;
+  double depth = 0.0;  // root-space units between black and white; 0: as for MapSynthesized
+};
+struct MapSynthesized {
+  std::optional<Preset> preset;  // default: skin if morph targets squeeze the layer, cloth if only joints do
+  double spacing = 0.0;          // 0: worked out from the size of the surface
+  double depth = 0.0;
+  uint32_t seed = 1;
+};
+using Map = std::variant<MapNone, MapNormal, MapHeight, MapSynthesized>;
+
+struct DriverRecipe {
+  std::string morph;
+  double gain = 1.0;
+};
+
+struct LayerRecipe {
+  std::string name;
+  std::vector<std::string> meshes, materials;  // empty: all
+  Direction direction = DirectionAnimation{};
+  Measure measure = Measure::kDirectional;
+  Response response;  // with measure "area" and no "response" given: Curve::kOat
+  Mask mask = MaskAuto{};
+  std::optional<Bias> bias;
+  Map compress = MapSynthesized{};
+  std::optional<std::filesystem::path> compress_shading;  // authored alpha-shading map; else derived from the height
+  Map stretch = MapNone{};
+  std::vector<DriverRecipe> drivers;
+};
+
+struct Recipe {
+  std::filesystem::path file;  // empty for the default recipe
+  Rest rest = RestBind{};
+  double weld_tolerance = 0.0;
+  uint32_t map_size = 0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
+  std::vector<LayerRecipe> layers;
+};
+
+// One layer named "wrinkles" over everything, directions from the animation, synthesised map.
+Recipe defaultRecipe();
+
+// Reads and checks a recipe; paths in it are relative to it and come out absolute. Throws Error (kBadData): not JSON (with line and column),
+// an unknown key (names where it stands and the nearest known one), a wrong type or range, 0 or more than kMaxLayers layers, two layers of
+// one name, a named image that does not exist.
+Recipe readRecipe(const std::filesystem::path& file);
+
+}  // namespace furrow::pipeline
