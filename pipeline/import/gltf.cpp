@@ -126,9 +126,9 @@ class GltfImporter {
       }
       return any;
     };
-    if (model_.defaultScene >= 0) {
-      if (static_cast<size_t>(model_.defaultScene) >= model_.scenes.size())
-        fail("its default scene does not exist");
+    const bool has_scene =
+        model_.defaultScene >= 0 && static_cast<size_t>(model_.defaultScene) < model_.scenes.size();
+    if (has_scene) {
       std::vector<uint32_t> nodes;
       for (const int n : model_.scenes[static_cast<size_t>(model_.defaultScene)].nodes) {
         if (n < 0 || static_cast<size_t>(n) >= model_.nodes.size())
@@ -138,7 +138,8 @@ class GltfImporter {
       if (show(reachedFrom(std::move(nodes)))) return;
     }
     if (show(std::vector<bool>(model_.nodes.size(), true))) {
-      if (model_.defaultScene >= 0) warn("its default scene shows no mesh: all nodes are taken");
+      if (model_.defaultScene >= 0)
+        warn("its default scene shows no mesh or does not exist: all nodes are taken");
       return;
     }
     if (!model_.meshes.empty()) warn("no node shows a mesh: every mesh is taken as it stands");

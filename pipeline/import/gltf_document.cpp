@@ -325,6 +325,10 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
       buffer.owned = decodeDataUri(text);
     } else {
       const std::filesystem::path path = file_.parent_path() / std::filesystem::u8path(decodePercent(text));
+      if (!std::filesystem::is_regular_file(path))
+        throw Error(Exit::kBadData, file_.string(),
+                    "it needs the file " + path.string() + ", which is not there",
+                    "put it there or embed it");
       buffer.owned = readBytes(path);
       if (std::find(dependencies_.begin(), dependencies_.end(), path) == dependencies_.end())
         dependencies_.push_back(path);
@@ -349,7 +353,7 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
   std::string error, warning;
   if (!loader.LoadASCIIFromString(&model_, &error, &warning, text.data(), static_cast<uint32_t>(text.size()),
                                   ""))
-    fail(error.empty() ? "not glTF" : error);
+    fail(error.empty() ? "tinygltf cannot read it" : error);
 }
 
 bool GltfDocument::uses(const std::string& extension) const {

@@ -75,7 +75,9 @@ SourceScene read(const std::filesystem::path& file) {
 // The first line of a library's message, short enough to print.
 std::string firstLine(std::string_view message) {
   constexpr size_t kLongest = 240;
-  return std::string(message.substr(0, std::min(message.find('\n'), kLongest)));
+  message = message.substr(0, std::min(message.find('\n'), kLongest));
+  while (message.ends_with('.') || message.ends_with(' ')) message.remove_suffix(1);
+  return std::string(message);
 }
 
 }  // namespace

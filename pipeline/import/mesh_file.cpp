@@ -2,6 +2,7 @@
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -11,6 +12,7 @@
 #include <streambuf>
 #include <string_view>
 
+#include "pipeline/error.h"
 #include "pipeline/import/formats.h"
 
 // The readers register themselves from this header.
@@ -50,8 +52,9 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
     uint32_t next = kNoIndex;  // another corner at this place
   };
 
-  Recorder(std::streambuf& stream, std::vector<MaterialChange> changes)
-      : stream_(stream), changes_(std::move(changes)) {}
+  // `promised`: the least number of vertices that there must be when the first face comes.
+  Recorder(std::streambuf& stream, size_t promised, std::vector<MaterialChange> changes)
+      : stream_(stream), promised_(promised), changes_(std::move(changes)) {}
 
   std::vector<glm::vec3> positions;
   std::vector<glm::vec4> colors;  // as long as positions if has_colors
@@ -94,6 +97,8 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   }
 
   FaceHandle add_face(const VHandles& vertices) override {
+    if (positions.size() < promised_)
+      fail(std::to_string(promised_ - positions.size()) + " vertices are not three numbers");
     if (vertices.size() < 3) {
       ++faces_without_area;
       return FaceHandle();
@@ -174,6 +179,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   }
 
   std::streambuf& stream_;
+  size_t promised_;
   std::vector<MaterialChange> changes_;
   std::vector<Place> places_;
   size_t change_ = 0;
@@ -234,13 +240,32 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
     } else if (word == "mtllib") {
       text[line.data() - text] = '#';
     } else if (word == "f") {
-      if (rest.starts_with('/') || rest.find(" /") != std::string_view::npos ||
-          rest.find("\t/") != std::string_view::npos)
-        fail("a face has a corner without a vertex");
+      for (size_t i = 0; i < rest.size(); ++i)
+        if (rest[i] == '/' && (i == 0 || std::isspace(static_cast<unsigned char>(rest[i - 1]))))
+          fail("a face has a corner without a vertex");
     }
     begin = end + 1;
   }
   return vertices;
+}
+
+// OpenMesh takes a list that it does not know for a single number, and goes on at the wrong place.
+void checkPlyHeader(const std::filesystem::path& file, const std::vector<uint8_t>& bytes) {
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  bool faces = false;
+  while (!text.empty()) {
+    const std::string_view line = trimmed(text.substr(0, text.find('\n')));
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+    if (line == "end_header" || (faces && line.starts_with("element "))) return;
+    faces = faces || line.starts_with("element face ");
+    const std::string_view name = line.substr(line.find_last_of(" \t") + 1);
+    if (line.starts_with("property list ") &&
+        !(faces && (name == "vertex_indices" || name == "vertex_index")))
+      throw Error(Exit::kBadData, file.string(),
+                  "it has the list \"" + std::string(name) + "\", which furrow cannot read",
+                  "save it without, or as OBJ or glTF");
+  }
+  fail("its header does not end");
 }
 
 const char* extensionOf(MeshFormat format) {
@@ -360,11 +385,10 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
 SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
   std::vector<MaterialChange> changes;
   const size_t promised = format == MeshFormat::kObj ? prepareObj(bytes, changes) : 0;
+  if (format == MeshFormat::kPly) checkPlyHeader(file, bytes);
   MemoryBuffer buffer(bytes);
-  Recorder mesh(buffer, std::move(changes));
+  Recorder mesh(buffer, promised, std::move(changes));
   parse(format, buffer, mesh);
-  if (format == MeshFormat::kObj && mesh.positions.size() != promised)
-    fail(std::to_string(promised - mesh.positions.size()) + " vertices are not three numbers");
   if (mesh.polygon_ends.empty()) fail("it has no faces");
 
   SourceScene scene;
