@@ -249,21 +249,66 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
   return vertices;
 }
 
-// OpenMesh takes a list that it does not know for a single number, and goes on at the wrong place.
-void checkPlyHeader(const std::filesystem::path& file, const std::vector<uint8_t>& bytes) {
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  bool faces = false;
-  while (!text.empty()) {
-    const std::string_view line = trimmed(text.substr(0, text.find('\n')));
-    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
-    if (line == "end_header" || (faces && line.starts_with("element "))) return;
-    faces = faces || line.starts_with("element face ");
-    const std::string_view name = line.substr(line.find_last_of(" \t") + 1);
-    if (line.starts_with("property list ") &&
-        !(faces && (name == "vertex_indices" || name == "vertex_index")))
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    const size_t end = std::min(line.find_first_of(" \t"), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+  return words;
+}
+
+bool isOneOf(std::string_view word, std::string_view spaced_words) {
+  const std::vector<std::string_view> words = wordsOf(spaced_words);
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// OpenMesh's reader trusts the header: what it does not know, lists above all, it takes for something else or
+// skips by the wrong length.
+void checkPlyHeader(const std::filesystem::path& file, std::vector<uint8_t>& bytes) {
+  constexpr const char* kSingle = "float float32";
+  constexpr const char* kDouble = "double float64";
+  constexpr const char* kInteger = "char uchar short ushort int uint int8 uint8 int16 uint16 int32 uint32";
+  char* text = reinterpret_cast<char*>(bytes.data());
+  std::string element;
+  for (size_t begin = 0, number = 1; begin < bytes.size(); ++number) {
+    const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
+    if (!found) break;
+    const size_t end = static_cast<size_t>(static_cast<const char*>(found) - text);
+    const std::string_view line(text + begin, end - begin);
+    const std::vector<std::string_view> words = wordsOf(line);
+    const auto is = [&](size_t i, std::string_view word) { return i < words.size() && words[i] == word; };
+    const size_t count = words.size();
+    bool known = is(0, "comment") || count == 0;
+    if (number == 1) {
+      known = count == 1;
+    } else if (number == 2) {
+      known = count == 3 && is(0, "format");
+    } else if (is(0, "obj_info")) {
+      std::memcpy(text + (words[0].data() - text), "comment ", 8);
+      known = true;
+    } else if (is(0, "end_header")) {
+      return;
+    } else if (is(0, "element") && count == 3) {
+      if (element == "face") return;  // what follows is not read
+      element = words[1];
+      known = true;
+    } else if (is(0, "property") && is(1, "list") && count == 5) {
+      known = element == "face" && isOneOf(words[2], "uchar uint8 uint16 int") &&
+              isOneOf(words[3], kInteger) && isOneOf(words[4], "vertex_indices vertex_index");
+    } else if (is(0, "property") && count == 3 && !element.empty()) {
+      const bool single = isOneOf(words[1], kSingle), twice = isOneOf(words[1], kDouble);
+      const bool color = isOneOf(words[2], "red green blue alpha diffuse_red diffuse_green diffuse_blue");
+      known = single || (twice && !color) ||
+              (isOneOf(words[1], kInteger) && !isOneOf(words[2], "x y z nx ny nz u v s t"));
+    }
+    if (!known)
       throw Error(Exit::kBadData, file.string(),
-                  "it has the list \"" + std::string(name) + "\", which furrow cannot read",
+                  "line " + std::to_string(number) + " of its header is more than furrow reads: \"" +
+                      std::string(trimmed(line).substr(0, 80)) + "\"",
                   "save it without, or as OBJ or glTF");
+    begin = end + 1;
   }
   fail("its header does not end");
 }
