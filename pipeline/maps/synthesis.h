@@ -44,13 +44,4 @@ class Synthesis {
   std::unique_ptr<Pattern> pattern_;
 };
 
-// Where each texel of a size x size texture lies on the surface: triangle (global index, or kNoIndex outside every chart) and barycentric
-// coordinates of its centre. Texels within `margin` of a chart are given the nearest point of that chart.
-struct TexelMap {
-  uint32_t size = 0;
-  std::vector<uint32_t> triangle;
-  std::vector<glm::vec2> barycentric;  // of corners 1 and 2
-};
-TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, uint32_t size, uint32_t margin);
-
 }  // namespace furrow::pipeline
