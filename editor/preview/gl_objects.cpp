@@ -49,18 +49,23 @@ void attach(GLuint program, const char* name, GLenum type, GlslPieces pieces) {
 GlObject::GlObject(GlKind kind) : kind_(kind) {
   switch (kind) {
     case GlKind::kBuffer:
-      return glGenBuffers(1, &name_);
+      glGenBuffers(1, &name_);
+      break;
     case GlKind::kFramebuffer:
-      return glGenFramebuffers(1, &name_);
+      glGenFramebuffers(1, &name_);
+      break;
     case GlKind::kProgram:
       name_ = glCreateProgram();
-      return;
+      break;
     case GlKind::kRenderbuffer:
-      return glGenRenderbuffers(1, &name_);
+      glGenRenderbuffers(1, &name_);
+      break;
     case GlKind::kTexture:
-      return glGenTextures(1, &name_);
+      glGenTextures(1, &name_);
+      break;
     case GlKind::kVertexArray:
-      return glGenVertexArrays(1, &name_);
+      glGenVertexArrays(1, &name_);
+      break;
   }
 }
 
@@ -68,17 +73,23 @@ GlObject::~GlObject() {
   if (name_ == 0) return;
   switch (kind_) {
     case GlKind::kBuffer:
-      return glDeleteBuffers(1, &name_);
+      glDeleteBuffers(1, &name_);
+      break;
     case GlKind::kFramebuffer:
-      return glDeleteFramebuffers(1, &name_);
+      glDeleteFramebuffers(1, &name_);
+      break;
     case GlKind::kProgram:
-      return glDeleteProgram(name_);
+      glDeleteProgram(name_);
+      break;
     case GlKind::kRenderbuffer:
-      return glDeleteRenderbuffers(1, &name_);
+      glDeleteRenderbuffers(1, &name_);
+      break;
     case GlKind::kTexture:
-      return glDeleteTextures(1, &name_);
+      glDeleteTextures(1, &name_);
+      break;
     case GlKind::kVertexArray:
-      return glDeleteVertexArrays(1, &name_);
+      glDeleteVertexArrays(1, &name_);
+      break;
   }
 }
 
