@@ -66,8 +66,9 @@ Image contactSheet(std::span<const SheetCell> cells, const SheetLayout& layout) 
   const uint32_t text = layout.text_height ? layout.text_height : std::max(width / 256, 1u) * kFontHeight;
   const uint32_t columns = std::clamp(layout.columns, 1u, static_cast<uint32_t>(cells.size()));
   const uint32_t lines = (static_cast<uint32_t>(cells.size()) + columns - 1) / columns;
-  const uint32_t gap = layout.gap, pitch = height + text + gap / 2 + gap;
-  const uint32_t head = gap + (layout.title.empty() ? 0 : text + gap);
+  const uint32_t line = text + text / 4;  // descenders reach below the font's height
+  const uint32_t gap = layout.gap, pitch = height + line + gap / 2 + gap;
+  const uint32_t head = gap + (layout.title.empty() ? 0 : line + gap);
 
   Image sheet{columns * (width + gap) + gap, head + lines * pitch, 4, {}};
   sheet.pixels.assign(size_t{sheet.width} * sheet.height * 4, kPaper);
@@ -79,7 +80,7 @@ Image contactSheet(std::span<const SheetCell> cells, const SheetLayout& layout) 
     const uint32_t x = gap + i % columns * (width + gap), y = head + i / columns * pitch;
     blit(sheet, picture, x + (width - picture.width) / 2, y + (height - picture.height) / 2);
     // Drawn on a strip of its own, so that a long caption ends at the edge of its cell.
-    Image strip{width, text, 3, std::vector<float>(size_t{width} * text * 3, kPaper)};
+    Image strip{width, line, 3, std::vector<float>(size_t{width} * line * 3, kPaper)};
     drawText(strip, 0, 0, text, cells[i].caption, kCaption);
     blit(sheet, strip, x, y + height + gap / 2);
   }

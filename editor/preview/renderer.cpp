@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
+#include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "editor/preview/gl_objects.h"
@@ -33,9 +35,10 @@ constexpr GLuint kVectors = kMaxLayers / 4;  // weights and masks go in fours
 // Texture units.
 constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3;
 
-constexpr GLsizei kShadowSize = 2048;
-constexpr float kAnisotropy = 8.0f;
-constexpr float kStrokesAcross = 64.0f;  // strokes from the bottom of a picture to its top
+constexpr GLsizei kShadowSize = 1024;
+constexpr float kAnisotropy = 4.0f;
+constexpr float kStrokeLength = 0.9f;     // of their spacing
+constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
 
 static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
 static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
@@ -53,6 +56,12 @@ template <typename T>
 void refill(uint32_t buffer, GLenum target, std::span<const T> values) {
   glBindBuffer(target, buffer);
   glBufferData(target, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), GL_STREAM_DRAW);
+}
+
+// Anisotropic filtering more than doubles the time of a picture there.
+bool isSoftware() {
+  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return renderer && (std::strstr(renderer, "llvmpipe") || std::strstr(renderer, "softpipe"));
 }
 
 // Null if the texture has no slices: sampling it is then excluded by the material.
@@ -85,7 +94,7 @@ GlObject makeTexture(const Texture& texture) {
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_REPEAT);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_REPEAT);
-  if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic"))
+  if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") && !isSoftware())
     glTexParameterf(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
   return object;
 }
@@ -181,7 +190,7 @@ class GpuFrame {
 // White says that nobody gave the surface a colour: it becomes clay.
 glm::vec4 shownColor(Float4 base) {
   constexpr float kWhite = 0.98f;
-  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite) return {0.46f, 0.30f, 0.225f, 1.0f};
+  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite) return {0.40f, 0.255f, 0.19f, 1.0f};
   return {base.x, base.y, base.z, 1.0f};
 }
 
@@ -195,12 +204,14 @@ struct Renderer::State {
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const RenderOptions& options);
   void fillScene(const RenderOptions& options);
-  void drawShadow();
-  void drawParts() const;
+  uint32_t surfaceProgram(const RenderOptions& options, bool maps);
+  void drawShadow(const RenderOptions& options);
+  void drawParts(const RenderOptions& options);
   void drawStrokes(const RenderOptions& options);
 
   const AssetView& asset;
-  GlObject surface, shadow, background, stroke;  // programs
+  std::map<std::tuple<View, Shading, bool>, GlObject> surface;  // programs by surfaceProgram()'s constants
+  GlObject shadow, background, stroke;
   GlObject vertex_array, uvs, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
   GlObject shadow_map, shadow_frame, empty_map;
   std::vector<TextureSetObjects> texture_sets;
@@ -240,16 +251,28 @@ Renderer::State::State(const AssetView& view) : asset(view) {
 }
 
 void Renderer::State::makePrograms() {
-  surface = makeProgram("surface", {shaders::kSurfaceVertex}, {},
-                        {shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kSurfaceFragment});
   shadow = makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment});
   background = makeProgram("background", {shaders::kBackgroundVertex}, {}, {shaders::kBackgroundFragment});
   stroke = makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
-  glUseProgram(surface);
-  glUniform1i(glGetUniformLocation(surface, "normal_maps"), kNormalMaps);
-  glUniform1i(glGetUniformLocation(surface, "shading_maps"), kShadingMaps);
-  glUniform1i(glGetUniformLocation(surface, "mask_maps"), kMaskMaps);
-  glUniform1i(glGetUniformLocation(surface, "shadow_map"), kShadowMap);
+}
+
+uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps) {
+  // Only the beauty view knows shadings.
+  const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
+  GlObject& program = surface[{options.view, shading, maps}];
+  if (program) return program;
+  const std::string constants = "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
+                                "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
+                                "u;\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
+  program = makeProgram(
+      "surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
+      {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kSurfaceFragment});
+  glUseProgram(program);
+  glUniform1i(glGetUniformLocation(program, "normal_maps"), kNormalMaps);
+  glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
+  glUniform1i(glGetUniformLocation(program, "mask_maps"), kMaskMaps);
+  glUniform1i(glGetUniformLocation(program, "shadow_map"), kShadowMap);
+  return program;
 }
 
 void Renderer::State::makeShadowMap() {
@@ -282,7 +305,6 @@ void Renderer::State::makeMaterials() {
     for (glm::uvec4& slices : material.slices) slices = glm::uvec4(kAbsent);
     if (part.texture_set != kAbsent) {
       const TextureSet& set = asset.texture_sets[part.texture_set];
-      material.with_maps = set.normals.slices > 0;
       material.with_masks = set.masks.slices > 0;
       for (uint32_t l = 0; l < asset.layerCount(); ++l)
         material.slices[l] = {set.compress_slice[l], set.stretch_slice[l],
@@ -381,9 +403,9 @@ void Renderer::State::fillScene(const RenderOptions& options) {
   scene.view_projection = frame.view_projection;
   scene.eye = glm::vec4(frame.eye, 0.0f);
   // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded side.
-  scene.lights[0] = light(-0.62f, 0.66f, 0.45f, 2.5f);
-  scene.lights[1] = light(0.85f, 0.05f, 0.6f, 0.35f);
-  scene.lights[2] = light(0.55f, 0.5f, -0.75f, 1.5f);
+  scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.35f);
+  scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
+  scene.lights[2] = light(0.6f, 0.35f, -0.75f, 1.1f);
   scene.up = glm::vec4(frame.up, 0.0f);
 
   // The shadow map spans what the picture shows at the target; casters before it are clamped onto it.
@@ -396,21 +418,19 @@ void Renderer::State::fillScene(const RenderOptions& options) {
   scene.eye.w = 2.0f * reach / static_cast<float>(kShadowSize);
 
   const float spacing = 2.0f * half_height / kStrokesAcross;
-  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height), spacing * 0.85f,
-                std::max(static_cast<float>(options.height) / 512.0f, 1.0f)};
-  scene.shading = static_cast<uint32_t>(options.shading);
-  scene.view = static_cast<uint32_t>(options.view);
+  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height), spacing * kStrokeLength,
+                std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
   scene.layer = options.layer;
   scene.layers = asset.layerCount();
   refill(scene_buffer, GL_UNIFORM_BUFFER, std::span<const gpu::Scene>(&scene, 1));
   glBindBufferBase(GL_UNIFORM_BUFFER, kSceneSlot, scene_buffer);
 }
 
-void Renderer::State::drawShadow() {
+void Renderer::State::drawShadow(const RenderOptions& options) {
+  if (options.view != View::kBeauty) return;
   glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
   glViewport(0, 0, kShadowSize, kShadowSize);
   glClear(GL_DEPTH_BUFFER_BIT);
-  if (scene.view != gpu::kViewBeauty) return;
   glUseProgram(shadow);
   glEnable(GL_DEPTH_CLAMP);
   glEnable(GL_POLYGON_OFFSET_FILL);
@@ -420,8 +440,7 @@ void Renderer::State::drawShadow() {
   glDisable(GL_DEPTH_CLAMP);
 }
 
-void Renderer::State::drawParts() const {
-  glUseProgram(surface);
+void Renderer::State::drawParts(const RenderOptions& options) {
   const auto bind = [](GLint unit, GLenum kind, uint32_t texture) {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     glBindTexture(kind, texture);
@@ -433,6 +452,7 @@ void Renderer::State::drawParts() const {
     const auto mapOr = [&](const GlObject TextureSetObjects::*map) -> uint32_t {
       return set && set->*map ? set->*map : empty_map;
     };
+    glUseProgram(surfaceProgram(options, set && set->normals));
     bind(kNormalMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::normals));
     bind(kShadingMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::shading));
     bind(kMaskMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::masks));
@@ -447,7 +467,7 @@ void Renderer::State::drawParts() const {
 
 void Renderer::State::drawStrokes(const RenderOptions& options) {
   // Steps of the square root of two: a moving camera changes the choice of strokes seldom.
-  const float wanted = scene.size.z / 0.85f;
+  const float wanted = scene.size.z / kStrokeLength;
   const float spacing = std::exp2(std::round(std::log2(wanted) * 2.0f) * 0.5f);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, stroke_indices);
   if (stroke_layer != options.layer || stroke_spacing != spacing) {
@@ -490,7 +510,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  s.drawShadow();
+  s.drawShadow(options);
 
   s.target->bind();
   glEnable(GL_MULTISAMPLE);
@@ -498,7 +518,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
   glClear(GL_DEPTH_BUFFER_BIT);
   glUseProgram(s.background);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  s.drawParts();
+  s.drawParts(options);
   if (options.view == View::kDirection) s.drawStrokes(options);
   const uint32_t texture = s.target->resolve();
   glDisable(GL_FRAMEBUFFER_SRGB);

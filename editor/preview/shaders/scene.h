@@ -41,20 +41,20 @@ FURROW_BLOCK(Scene) {
   vec4 lights[3];  // key, fill, rim: direction to the light; w: radiance
   vec4 up;         // of the camera
   vec4 size;       // picture in pixels; z: stroke length in world units, w: stroke width in pixels
-  uint shading;
-  uint view;
   uint layer;
   uint layers;
+  uint pad0;
+  uint pad1;
 }
 FURROW_INSTANCE(scene);
 
 // A part.
 FURROW_BLOCK(Material) {
   vec4 base_color;
-  uint with_maps;   // 0: alpha shading by the vertex
   uint with_masks;  // 0: Layer::mask of the vertex
   uint pad0;
   uint pad1;
+  uint pad2;
   uvec4 slices[kMaxPreviewLayers];  // as furrow_shade.glsl takes them
 }
 FURROW_INSTANCE(material);

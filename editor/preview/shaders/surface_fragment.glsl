@@ -1,3 +1,5 @@
+// kView, kShading and kMaps (whether the part has maps) are constants: software renderers run both sides of every branch that is not one.
+
 uniform sampler2DShadow shadow_map;
 
 layout(location = 0) out vec4 color;
@@ -6,7 +8,9 @@ const float kPi = 3.14159265;
 const float kRoughness = 0.46;
 const float kReflectance = 0.035;
 // How far light wraps round the form, and how much of the bump reaches the diffuse light, by channel: red travels farthest in skin.
-const vec3 kWrap = vec3(0.22, 0.12, 0.09);
+const vec3 kWrap = vec3(0.17, 0.11, 0.09);
+// What each light keeps of its reflection: the rim grazes the surface, where everything mirrors.
+const float kGloss[3] = float[3](0.9, 0.9, 0.35);
 const vec3 kBump = vec3(0.82, 0.94, 1.0);
 // The darkest a crease gets where there is no map to say.
 const float kVertexShade = 0.55;
@@ -16,13 +20,16 @@ vec3 fillTint() { return vec3(0.82, 0.9, 1.0); }
 vec3 rimTint() { return vec3(0.93, 0.96, 1.0); }
 
 float shadowAt(vec3 position, vec3 normal) {
-  vec3 at = (scene.shadow * vec4(position + normal * scene.eye.w * 2.5, 1.0)).xyz;
+  // Moved off the surface, farther where the light grazes it: a facet must not shade itself.
+  float cosine = clamp(dot(normal, scene.lights[0].xyz), 0.0, 1.0);
+  float lift = scene.eye.w * mix(6.0, 2.0, cosine);
+  vec3 at = (scene.shadow * vec4(position + normal * lift, 1.0)).xyz;
   if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
   vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
   float lit = 0.0;
-  for (int y = -2; y <= 2; ++y)
-    for (int x = -2; x <= 2; ++x) lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * 1.4 * texel, at.z - 0.0008));
-  return lit / 25.0;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * 1.7 * texel, at.z - 0.001));
+  return mix(1.0, lit / 9.0, smoothstep(0.0, 0.25, cosine));
 }
 
 // GGX with Smith's height-correlated visibility and Schlick's Fresnel term.
@@ -47,7 +54,7 @@ vec3 shade(vec3 base, vec3 form, vec3 n, vec3 v, float cavity, float roughness, 
     vec3 soft = max((mix(vec3(formed), vec3(bumped), kBump) + kWrap) / (1.0 + kWrap), 0.0);
     float reach = furrowFade((formed + kWrap.r) / (1.0 + kWrap.r));
     total += tint * reach * (base * soft / (1.0 + kWrap) * mix(1.0, cavity, 0.5));
-    total += tint * furrowFade(formed) * specular(n, v, l, roughness) * cavity * kPi * 0.9;
+    total += tint * furrowFade(formed) * specular(n, v, l, roughness) * cavity * kPi * kGloss[i];
   }
   vec3 sky = vec3(0.2, 0.215, 0.24), ground = vec3(0.085, 0.07, 0.06);
   float rise = 0.5 + 0.5 * dot(n, scene.up.xyz);
@@ -93,7 +100,7 @@ float maskAt(uint layer) {
 }
 
 vec3 viewColor() {
-  switch (scene.view) {
+  switch (kView) {
     case kViewWeight:
       return diverging(component(vertex.weights, scene.layer));
     case kViewMask:
@@ -118,7 +125,7 @@ void main() {
   uv_dx = dFdx(vertex.uv);
   uv_dy = dFdy(vertex.uv);
 
-  if (scene.view != kViewBeauty) {
+  if (kView != kViewBeauty) {
     float light = 0.45 + 0.4 * max(dot(form, v), 0.0) + 0.35 * max(dot(form, scene.lights[0].xyz), 0.0);
     color = vec4(viewColor() * light, 1.0);
     return;
@@ -129,11 +136,11 @@ void main() {
   vec3 base = material.base_color.rgb;
   float shadow = shadowAt(vertex.position, form);
 
-  if (material.with_maps == 0u || scene.shading == kShadingAlpha || scene.shading == kShadingNone) {
+  if (!kMaps || kShading == kShadingAlpha || kShading == kShadingNone) {
     float crease = 1.0;
-    for (uint i = 0u; i < scene.layers && scene.shading != kShadingNone; ++i) {
+    for (uint i = 0u; i < scene.layers && kShading != kShadingNone; ++i) {
       float w = component(vertex.weights, i);
-      if (material.with_maps == 0u) {
+      if (!kMaps) {
         crease *= 1.0 - max(w, 0.0) * kVertexShade;
       } else {
         FurrowWrinkles one = furrowBegin(vec3(0.0, 0.0, 1.0));
@@ -146,7 +153,7 @@ void main() {
     return;
   }
 
-  if (scene.shading == kShadingBlend) {
+  if (kShading == kShadingBlend) {
     vec3 plain = shade(base, form, form, v, 1.0, kRoughness, shadow);
     vec3 total = plain;
     for (uint i = 0u; i < scene.layers; ++i) {

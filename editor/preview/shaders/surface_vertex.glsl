@@ -22,7 +22,7 @@ void main() {
   vertex.tangent = tangent;
   vertex.uv = uv;
   vertex.value = value;
-  bool masked = material.with_masks == 0u && scene.view == kViewBeauty;
+  bool masked = material.with_masks == 0u && kView == kViewBeauty;
   for (int i = 0; i < 4; ++i) {
     vertex.weights[i] = masked ? weights[i] * masks[i] : weights[i];
     vertex.masks[i] = masks[i];
