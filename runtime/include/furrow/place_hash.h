@@ -1,7 +1,7 @@
 #pragma once
 
-// The perfect spatial hash: from a rest position of the SOURCE mesh to its place, in O(1), so that an engine whose importer reordered, split
-// or merged the vertices binds its own buffers to the asset's points.
+// The perfect spatial hash: from a rest position of the SOURCE mesh to its place, in O(1), so that an engine
+// whose importer reordered, split or merged the vertices binds its own buffers to the asset's points.
 
 #include <optional>
 #include <span>
@@ -21,7 +21,8 @@ class PlaceHash {
 
   uint32_t placeCount() const;
 
-  // The place at exactly this position (-0 equals 0), or nothing if no vertex of the source lay there, but for a chance of 2^-32 a query.
+  // The place at exactly this position (-0 equals 0), or nothing if no vertex of the source lay there, but
+  // for a chance of 2^-32 a query.
   std::optional<uint32_t> find(Float3 position) const;
 
  private:
