@@ -26,8 +26,8 @@ CameraFrame cameraFrame(const Camera& camera, float aspect) {
   orient(camera, frame);
   const glm::vec3 target(camera.target.x, camera.target.y, camera.target.z);
   frame.eye = target + camera.distance * frame.back;
-  frame.view_projection = glm::perspective(glm::radians(camera.field_of_view), aspect, camera.distance * kNear,
-                                           camera.distance * kFar) *
+  frame.view_projection = glm::perspective(glm::radians(camera.field_of_view), aspect,
+                                           camera.distance * kNear, camera.distance * kFar) *
                           glm::lookAt(frame.eye, target, frame.up);
   return frame;
 }

@@ -8,8 +8,8 @@
 
 namespace furrow::preview {
 
-// Orbit around `target`; angles in degrees. Yaw 0 looks along -Z at the front of a subject that faces +Z, positive yaw walks round to its
-// left (+X), positive pitch looks down on it.
+// Orbit around `target`; angles in degrees. Yaw 0 looks along -Z at the front of a subject that faces +Z,
+// positive yaw walks round to its left (+X), positive pitch looks down on it.
 struct Camera {
   Float3 target{0, 0, 0};
   float distance = 1.0f;  // > 0
@@ -17,7 +17,8 @@ struct Camera {
   float field_of_view = 30.0f;  // vertical, degrees
 };
 
-// Fits posed positions tightly into a picture of width / height `aspect`, with a margin. Positions that are not finite are left out.
+// Fits posed positions tightly into a picture of width / height `aspect`, with a margin. Positions that are
+// not finite are left out.
 Camera fitCamera(std::span<const Float3> positions, float aspect, float yaw, float pitch);
 
 struct CameraFrame {

@@ -23,7 +23,8 @@ void blit(Image& sheet, const Image& picture, uint32_t x0, uint32_t y0) {
 
 }  // namespace
 
-uint32_t drawText(Image& image, uint32_t x, uint32_t y, uint32_t height, const std::string& text, float grey) {
+uint32_t drawText(Image& image, uint32_t x, uint32_t y, uint32_t height, const std::string& text,
+                  float grey) {
   ImFontAtlas atlas;
   ImFontConfig config;
   config.SizePixels = static_cast<float>(height);
@@ -46,7 +47,8 @@ uint32_t drawText(Image& image, uint32_t x, uint32_t y, uint32_t height, const s
     for (int j = 0; j < h; ++j)
       for (int i = 0; i < w; ++i) {
         const int px = left + i, py = top + j;
-        if (px < 0 || py < 0 || px >= static_cast<int>(image.width) || py >= static_cast<int>(image.height)) continue;
+        if (px < 0 || py < 0 || px >= static_cast<int>(image.width) || py >= static_cast<int>(image.height))
+          continue;
         const float cover = static_cast<float>(coverage[(v0 + j) * width + u0 + i]) / 255.0f;
         float* pixel = image.at(static_cast<uint32_t>(px), static_cast<uint32_t>(py));
         for (uint32_t c = 0; c < std::min(image.channels, 3u); ++c) pixel[c] += cover * (grey - pixel[c]);

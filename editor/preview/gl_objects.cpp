@@ -176,7 +176,8 @@ uint32_t PictureTarget::resolve() const {
 void PictureTarget::readPixels(uint8_t* rgba) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGBA, GL_UNSIGNED_BYTE,
+               rgba);
 }
 
 }  // namespace furrow::preview

@@ -29,8 +29,9 @@ class GlObject {
   GlKind kind_ = GlKind::kBuffer;
 };
 
-// A linked program of GLSL 3.30 without `#version`; each stage is the scene's blocks and then `pieces` in order. An empty list: no such
-// stage. Its blocks Scene and Material are bound to 0 and 1. Throws pipeline::Error (kEnvironment) with the first line of the log.
+// A linked program of GLSL 3.30 without `#version`; each stage is the scene's blocks and then `pieces` in
+// order. An empty list: no such stage. Its blocks Scene and Material are bound to 0 and 1. Throws
+// pipeline::Error (kEnvironment) with the first line of the log.
 using GlslPieces = std::initializer_list<const char*>;
 GlObject makeProgram(const char* name, GlslPieces vertex, GlslPieces geometry, GlslPieces fragment);
 
@@ -45,9 +46,9 @@ class PictureTarget {
 
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
-  void bind() const;                               // for drawing, viewport too
-  uint32_t resolve() const;                        // the texture, sRGB
-  void readPixels(uint8_t* rgba) const;            // the resolved picture, rows from the bottom
+  void bind() const;                     // for drawing, viewport too
+  uint32_t resolve() const;              // the texture, sRGB
+  void readPixels(uint8_t* rgba) const;  // the resolved picture, rows from the bottom
 
  private:
   uint32_t width_, height_;

@@ -88,12 +88,14 @@ HeadlessContext::HeadlessContext() : state_(std::make_unique<State>()) {
       return;
     }
   }
-  throw pipeline::Error(pipeline::Exit::kEnvironment, "OpenGL", "no context without a window: " + why,
-                        "install a driver with EGL (for a machine without a GPU Mesa's: libegl1 libgl1-mesa-dri), or use "
-                        "what needs no picture");
+  throw pipeline::Error(
+      pipeline::Exit::kEnvironment, "OpenGL", "no context without a window: " + why,
+      "install a driver with EGL (for a machine without a GPU Mesa's: libegl1 libgl1-mesa-dri), or use "
+      "what needs no picture");
 }
 
-// The display stays open: it is shared by the whole process, and closing it unloads the driver under other contexts.
+// The display stays open: it is shared by the whole process, and closing it unloads the driver under other
+// contexts.
 HeadlessContext::~HeadlessContext() {
   if (eglGetCurrentContext() == state_->context)
     eglMakeCurrent(state_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);

@@ -37,7 +37,7 @@ constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3
 
 constexpr GLsizei kShadowSize = 1024;
 constexpr float kAnisotropy = 4.0f;
-constexpr float kStrokeLength = 0.9f;     // of their spacing
+constexpr float kStrokeLength = 0.9f;    // of their spacing
 constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
 
 static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
@@ -82,8 +82,8 @@ GlObject makeTexture(const Texture& texture) {
     const auto slices = static_cast<GLsizei>(texture.slices);
     const std::byte* data = texture.data.subspan(offset, bytes).data();
     if (texture.format == TextureFormat::kRgba8)
-      glTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), GL_RGBA8, width, height, slices, 0, GL_RGBA,
-                   GL_UNSIGNED_BYTE, data);
+      glTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), GL_RGBA8, width, height, slices, 0,
+                   GL_RGBA, GL_UNSIGNED_BYTE, data);
     else
       glCompressedTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), format, width, height, slices, 0,
                              static_cast<GLsizei>(bytes), data);
@@ -253,7 +253,8 @@ Renderer::State::State(const AssetView& view) : asset(view) {
 void Renderer::State::makePrograms() {
   shadow = makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment});
   background = makeProgram("background", {shaders::kBackgroundVertex}, {}, {shaders::kBackgroundFragment});
-  stroke = makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
+  stroke =
+      makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
 }
 
 uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps) {
@@ -261,9 +262,10 @@ uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps
   const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
   GlObject& program = surface[{options.view, shading, maps}];
   if (program) return program;
-  const std::string constants = "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
-                                "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
-                                "u;\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
+  const std::string constants =
+      "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
+      "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
+      "u;\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
   program = makeProgram(
       "surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
       {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kSurfaceFragment});
@@ -278,8 +280,8 @@ uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps
 void Renderer::State::makeShadowMap() {
   shadow_map = GlObject(GlKind::kTexture);
   glBindTexture(GL_TEXTURE_2D, shadow_map);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
-               nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT,
+               GL_FLOAT, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -318,7 +320,8 @@ void Renderer::State::makeMaterials() {
 void Renderer::State::makeMasks() {
   std::vector<uint8_t> bytes(size_t{asset.vertexCount()} * kMaxLayers, 255);
   for (size_t l = 0; l < asset.layers.size(); ++l)
-    for (size_t v = 0; v < asset.layers[l].mask.size(); ++v) bytes[v * kMaxLayers + l] = asset.layers[l].mask[v];
+    for (size_t v = 0; v < asset.layers[l].mask.size(); ++v)
+      bytes[v * kMaxLayers + l] = asset.layers[l].mask[v];
   masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
 }
 
@@ -327,7 +330,8 @@ void Renderer::State::check(const FrameInput& input, const RenderOptions& option
     throw Error(Exit::kBadUsage, "frame", wrong, "pass an input made for this asset");
   };
   if (input.palette.size() != asset.palette.size()) fail("the number of palette matrices is not the asset's");
-  if (input.morph_weights.size() != asset.morphs.size()) fail("the number of morph weights is not the asset's");
+  if (input.morph_weights.size() != asset.morphs.size())
+    fail("the number of morph weights is not the asset's");
   if (!input.region_weights.empty() && input.region_weights.size() != asset.layers.size())
     fail("the number of region weights is not that of the layers");
   if (!input.responses.empty() && input.responses.size() != asset.layers.size())
@@ -354,7 +358,8 @@ void Renderer::State::bindSurface(const PosedBuffers& posed) const {
   const auto attribute = [](GLuint slot, uint32_t buffer, GLint components, GLenum type, GLsizei stride,
                             size_t offset) {
     glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    glVertexAttribPointer(slot, components, type, type != GL_FLOAT, stride, reinterpret_cast<const void*>(offset));
+    glVertexAttribPointer(slot, components, type, type != GL_FLOAT, stride,
+                          reinterpret_cast<const void*>(offset));
     glEnableVertexAttribArray(slot);
   };
   attribute(kPosition, posed.positions, 3, GL_FLOAT, sizeof(Float3), 0);
@@ -402,7 +407,8 @@ void Renderer::State::fillScene(const RenderOptions& options) {
 
   scene.view_projection = frame.view_projection;
   scene.eye = glm::vec4(frame.eye, 0.0f);
-  // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded side.
+  // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded
+  // side.
   scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.35f);
   scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
   scene.lights[2] = light(0.6f, 0.35f, -0.75f, 1.1f);
@@ -413,13 +419,13 @@ void Renderer::State::fillScene(const RenderOptions& options) {
   const glm::vec3 key(scene.lights[0]);
   const glm::mat4 light_view = glm::lookAt(target_point + key * reach, target_point, frame.right);
   const glm::mat4 light_projection = glm::ortho(-reach, reach, -reach, reach, 0.0f, reach * 2.0f);
-  scene.shadow = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f)) * glm::scale(glm::mat4(1.0f), glm::vec3(0.5f)) *
-                 light_projection * light_view;
+  scene.shadow = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f)) *
+                 glm::scale(glm::mat4(1.0f), glm::vec3(0.5f)) * light_projection * light_view;
   scene.eye.w = 2.0f * reach / static_cast<float>(kShadowSize);
 
   const float spacing = 2.0f * half_height / kStrokesAcross;
-  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height), spacing * kStrokeLength,
-                std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
+  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height),
+                spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
   scene.layer = options.layer;
   scene.layers = asset.layerCount();
   refill(scene_buffer, GL_UNIFORM_BUFFER, std::span<const gpu::Scene>(&scene, 1));
@@ -456,8 +462,8 @@ void Renderer::State::drawParts(const RenderOptions& options) {
     bind(kNormalMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::normals));
     bind(kShadingMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::shading));
     bind(kMaskMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::masks));
-    glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, material_buffer, static_cast<GLintptr>(p) * material_stride,
-                      sizeof(gpu::Material));
+    glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, material_buffer,
+                      static_cast<GLintptr>(p) * material_stride, sizeof(gpu::Material));
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (part.triangle_end - part.triangle_begin)),
                    GL_UNSIGNED_INT,
                    reinterpret_cast<const void*>(size_t{part.triangle_begin} * 3 * sizeof(uint32_t)));
@@ -472,8 +478,8 @@ void Renderer::State::drawStrokes(const RenderOptions& options) {
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, stroke_indices);
   if (stroke_layer != options.layer || stroke_spacing != spacing) {
     const std::vector<uint32_t> chosen = strokeVertices(asset, options.layer, spacing);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(chosen.size() * sizeof(uint32_t)), chosen.data(),
-                 GL_DYNAMIC_DRAW);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(chosen.size() * sizeof(uint32_t)),
+                 chosen.data(), GL_DYNAMIC_DRAW);
     strokes = static_cast<GLsizei>(chosen.size());
     stroke_layer = options.layer;
     stroke_spacing = spacing;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The preview renderer: one asset, one pose, one picture. Needs a current OpenGL 3.3 core context (headless_context.h or a window), 4.3 for
-// the gpu tier; the destructor needs it too.
+// The preview renderer: one asset, one pose, one picture. Needs a current OpenGL 3.3 core context
+// (headless_context.h or a window), 4.3 for the gpu tier; the destructor needs it too.
 
 #include <memory>
 
@@ -12,7 +12,12 @@
 namespace furrow::preview {
 
 enum class Tier : uint8_t { kGpu, kCpu };
-enum class Shading : uint8_t { kInterpolated, kBlend, kAlpha, kNone };  // Larsson's three methods, and no wrinkles
+enum class Shading : uint8_t {
+  kInterpolated,
+  kBlend,
+  kAlpha,
+  kNone
+};  // Larsson's three methods, and no wrinkles
 enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence };
 
 struct RenderOptions {
@@ -24,18 +29,20 @@ struct RenderOptions {
   Camera camera;
 };
 
-// Where the maps of a texture set cannot be had (a mesh without UVs), creases are drawn by alpha shading of the vertices.
+// Where the maps of a texture set cannot be had (a mesh without UVs), creases are drawn by alpha shading of
+// the vertices.
 class Renderer {
  public:
   explicit Renderer(const AssetView& asset);  // `asset` must outlive the renderer
   ~Renderer();
 
-  // Poses, weighs and draws; the picture has 4 channels, sRGB-encoded, row 0 on top. Throws pipeline::Error: kBadUsage for an option or an
-  // input that does not fit the asset, kEnvironment where the tier or the memory for the picture cannot be had.
+  // Poses, weighs and draws; the picture has 4 channels, sRGB-encoded, row 0 on top. Throws pipeline::Error:
+  // kBadUsage for an option or an input that does not fit the asset, kEnvironment where the tier or the
+  // memory for the picture cannot be had.
   pipeline::Image render(const FrameInput& input, const RenderOptions& options);
 
-  // The same without reading back: an OpenGL texture of sRGB-encoded bytes, bottom row first, good until the next call. Leaves the default
-  // framebuffer bound, and the viewport and other drawing state changed.
+  // The same without reading back: an OpenGL texture of sRGB-encoded bytes, bottom row first, good until the
+  // next call. Leaves the default framebuffer bound, and the viewport and other drawing state changed.
   uint32_t draw(const FrameInput& input, const RenderOptions& options);
 
  private:

@@ -83,10 +83,11 @@ std::vector<uint32_t> strokeVertices(const AssetView& asset, uint32_t layer, flo
 
   std::vector<glm::vec3> rest(asset.vertexCount());
   for (const Part& part : asset.parts)
-    for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v) rest[v] = at(part.rest, asset.positions[v]);
+    for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v)
+      rest[v] = at(part.rest, asset.positions[v]);
 
-  // Darts in point order, thrown into a grid whose cells are as wide as the darts keep apart. Cells far from each other may share a key:
-  // then a comparison is made in vain.
+  // Darts in point order, thrown into a grid whose cells are as wide as the darts keep apart. Cells far from
+  // each other may share a key: then a comparison is made in vain.
   std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
   const auto key = [](glm::ivec3 cell) {
     return (static_cast<uint64_t>(static_cast<uint32_t>(cell.x) & 0x1fffffu) << 42) |

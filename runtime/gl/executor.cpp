@@ -21,7 +21,9 @@ GLint limit(GLenum name) {
   return value;
 }
 
-bool hasDebug() { return epoxy_gl_version() >= 43 || epoxy_has_gl_extension("GL_KHR_debug"); }
+bool hasDebug() {
+  return epoxy_gl_version() >= 43 || epoxy_has_gl_extension("GL_KHR_debug");
+}
 
 // The first line of a compile or link log that says something.
 template <typename GetLength, typename GetLog>
@@ -75,9 +77,11 @@ struct Executor::State {
 
 Status Executor::State::checkLimits() const {
   const auto blocks = limit(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
-  const auto slots = std::min(limit(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS), limit(GL_MAX_UNIFORM_BUFFER_BINDINGS));
+  const auto slots =
+      std::min(limit(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS), limit(GL_MAX_UNIFORM_BUFFER_BINDINGS));
   GLint groups[2];
-  for (GLuint axis = 0; axis < 2; ++axis) glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &groups[axis]);
+  for (GLuint axis = 0; axis < 2; ++axis)
+    glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &groups[axis]);
   for (const Dispatch& dispatch : plan->dispatches()) {
     const auto storage =
         std::count_if(dispatch.bindings.begin(), dispatch.bindings.end(),
@@ -87,8 +91,8 @@ Status Executor::State::checkLimits() const {
                            dispatch.label, static_cast<int>(storage), blocks);
     for (const Binding& binding : dispatch.bindings)
       if (binding.slot >= static_cast<uint32_t>(slots))
-        return Status::error(StatusCode::kUnavailable, "%s binds slot %u and this OpenGL has %d", dispatch.label,
-                             binding.slot, slots);
+        return Status::error(StatusCode::kUnavailable, "%s binds slot %u and this OpenGL has %d",
+                             dispatch.label, binding.slot, slots);
     for (int axis = 0; axis < 2; ++axis)
       if (dispatch.groups[axis] > static_cast<uint32_t>(groups[axis]))
         return Status::error(StatusCode::kUnavailable, "%s needs %u work-groups and this OpenGL allows %d",
@@ -130,11 +134,12 @@ Status Executor::State::allocate(Buffer buffer) {
   const auto most = static_cast<uint64_t>(
       limit(buffer == Buffer::kFrame ? GL_MAX_UNIFORM_BLOCK_SIZE : GL_MAX_SHADER_STORAGE_BLOCK_SIZE));
   if (desc.bytes > most)
-    return Status::error(StatusCode::kUnavailable, "buffer %s has %llu bytes and this OpenGL allows %llu", desc.name,
-                         static_cast<unsigned long long>(desc.bytes), static_cast<unsigned long long>(most));
+    return Status::error(StatusCode::kUnavailable, "buffer %s has %llu bytes and this OpenGL allows %llu",
+                         desc.name, static_cast<unsigned long long>(desc.bytes),
+                         static_cast<unsigned long long>(most));
   if (!desc.initial.empty() && desc.initial.size() != desc.bytes)
-    return Status::error(StatusCode::kInvalidArgument, "buffer %s has %llu bytes and %zu to fill it", desc.name,
-                         static_cast<unsigned long long>(desc.bytes), desc.initial.size());
+    return Status::error(StatusCode::kInvalidArgument, "buffer %s has %llu bytes and %zu to fill it",
+                         desc.name, static_cast<unsigned long long>(desc.bytes), desc.initial.size());
   GLuint& name = buffers[static_cast<size_t>(buffer)];
   glGenBuffers(1, &name);
   glBindBuffer(GL_COPY_WRITE_BUFFER, name);
@@ -182,14 +187,15 @@ void Executor::run() {
     if (state_->debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, dispatch.label);
     glUseProgram(state_->programs[static_cast<size_t>(dispatch.shader)]);
     for (const Binding& binding : dispatch.bindings)
-      glBindBufferBase(binding.buffer == Buffer::kFrame ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER, binding.slot,
-                       handle(binding.buffer));
+      glBindBufferBase(binding.buffer == Buffer::kFrame ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER,
+                       binding.slot, handle(binding.buffer));
     glDispatchCompute(dispatch.groups[0], dispatch.groups[1], 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     if (state_->debug) glPopDebugGroup();
   }
   // What comes next may draw from the results, read them back or write over the inputs.
-  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                  GL_BUFFER_UPDATE_BARRIER_BIT);
   glUseProgram(0);
   if (state_->debug) glPopDebugGroup();
 }

@@ -20,7 +20,8 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 glm::vec3 onBall(float u, float v) {
   const float longitude = (u - 0.5f) * 2.0f * kPi, latitude = (0.5f - v) * kPi;
-  return {std::sin(longitude) * std::cos(latitude), std::sin(latitude), std::cos(longitude) * std::cos(latitude)};
+  return {std::sin(longitude) * std::cos(latitude), std::sin(latitude),
+          std::cos(longitude) * std::cos(latitude)};
 }
 
 float smooth(float low, float high, float x) {
@@ -38,7 +39,8 @@ float maskAt(uint32_t layer, glm::vec3 p) {
 // Height of wandering creases across d, in the unit of the ball.
 float heightAt(uint32_t layer, float u, float v) {
   const float along = layer == 0 ? v * kPi : u * 2.0f * kPi, side = layer == 0 ? u * 2.0f * kPi : v * kPi;
-  const float wave = along * 2.0f * kPi / 0.12f + 1.1f * std::sin(side * 3.1f) + 0.5f * std::sin(side * 7.7f + 1.0f);
+  const float wave =
+      along * 2.0f * kPi / 0.12f + 1.1f * std::sin(side * 3.1f) + 0.5f * std::sin(side * 7.7f + 1.0f);
   return 0.011f * (1.0f - std::pow(0.5f + 0.5f * std::sin(wave), 3.0f) * 2.0f);
 }
 
@@ -81,7 +83,8 @@ void BallAsset::Arrays::makeVertices() {
       const float u = static_cast<float>(column) / kColumns, v = static_cast<float>(row) / kRows;
       // The seam and the poles lie at one place to the bit.
       const bool pole = row == 0 || row == kRows;
-      const glm::vec3 p = pole ? glm::vec3(0, row == 0 ? 1 : -1, 0) : onBall(column == kColumns ? 0.0f : u, v);
+      const glm::vec3 p =
+          pole ? glm::vec3(0, row == 0 ? 1 : -1, 0) : onBall(column == kColumns ? 0.0f : u, v);
       const float longitude = (u - 0.5f) * 2.0f * kPi;
       positions.push_back({p.x, p.y, p.z});
       normals.push_back({p.x, p.y, p.z});
@@ -171,9 +174,11 @@ void BallAsset::Arrays::makeLayers() {
   for (uint32_t layer = 0; layer < 2; ++layer) {
     for (size_t i = 0; i < surface_indices.size(); i += 3) {
       const glm::vec3 p0 = vec(positions[surface_indices[i]]);
-      const glm::vec3 e1 = vec(positions[surface_indices[i + 1]]) - p0, e2 = vec(positions[surface_indices[i + 2]]) - p0;
+      const glm::vec3 e1 = vec(positions[surface_indices[i + 1]]) - p0,
+                      e2 = vec(positions[surface_indices[i + 2]]) - p0;
       const glm::vec3 d = directionAt(layer, glm::normalize(p0 + (e1 + e2) / 3.0f));
-      const float a = glm::dot(e1, e1), b = glm::dot(e1, e2), c = glm::dot(e2, e2), f = glm::dot(d, e1), g = glm::dot(d, e2);
+      const float a = glm::dot(e1, e1), b = glm::dot(e1, e2), c = glm::dot(e2, e2), f = glm::dot(d, e1),
+                  g = glm::dot(d, e2);
       const float c1 = (c * f - b * g) / (a * c - b * b), c2 = (a * g - b * f) / (a * c - b * b);
       const float length = glm::length(c1 * e1 + c2 * e2);
       coefficients[layer].insert(coefficients[layer].end(), {c1 / length, c2 / length});
@@ -182,11 +187,21 @@ void BallAsset::Arrays::makeLayers() {
       masks[layer].push_back(static_cast<uint8_t>(std::lround(255.0f * maskAt(layer, vec(p)))));
     for (uint32_t v : point_vertex) {
       const glm::vec3 d = directionAt(layer, vec(positions[v]));
-      for (int i = 0; i < 3; ++i) directions[layer].push_back(static_cast<int8_t>(std::lround(127.0f * d[i])));
-      directions[layer].push_back(static_cast<int8_t>(std::lround(127.0f * (0.15f + 0.85f * maskAt(layer, vec(positions[v]))))));
+      for (int i = 0; i < 3; ++i)
+        directions[layer].push_back(static_cast<int8_t>(std::lround(127.0f * d[i])));
+      directions[layer].push_back(
+          static_cast<int8_t>(std::lround(127.0f * (0.15f + 0.85f * maskAt(layer, vec(positions[v]))))));
     }
-    layers[layer] = {layer == 0 ? "lines" : "frown", Measure::kDirectional, Response{}, coefficients[layer], {},
-                     masks[layer], directions[layer], layer, 0, 0};
+    layers[layer] = {layer == 0 ? "lines" : "frown",
+                     Measure::kDirectional,
+                     Response{},
+                     coefficients[layer],
+                     {},
+                     masks[layer],
+                     directions[layer],
+                     layer,
+                     0,
+                     0};
   }
   for (const Float3& p : positions) bias.push_back(snorm16(p.x < -0.2f ? 0.5f : 0.0f));
   layers[1].bias = bias;
@@ -199,21 +214,26 @@ void BallAsset::Arrays::makeMaps() {
   };
   std::vector<Image> normal_slices, shading_slices;
   Image mask = image(4);
-  for (uint32_t slice = 0; slice < 3; ++slice) {  // lines, frown, and half of the lines for the stretched pose
+  for (uint32_t slice = 0; slice < 3;
+       ++slice) {  // lines, frown, and half of the lines for the stretched pose
     Image normal = image(2), shading = image(1);
     const uint32_t layer = slice == 1 ? 1 : 0;
     const float gain = slice == 2 ? 0.5f : 1.0f;
     for (uint32_t y = 0; y < kMapSize; ++y)
       for (uint32_t x = 0; x < kMapSize; ++x) {
-        const float u = (static_cast<float>(x) + 0.5f) / kMapSize, v = (static_cast<float>(y) + 0.5f) / kMapSize;
+        const float u = (static_cast<float>(x) + 0.5f) / kMapSize,
+                    v = (static_cast<float>(y) + 0.5f) / kMapSize;
         const float turn = slice == 2 ? 0.25f : 0.0f;  // the stretch map runs elsewhere
         const float e = 1.0f / 4096.0f, width = std::max(std::sin(v * kPi), 0.05f);
-        const float hx = (heightAt(layer, u + e + turn, v) - heightAt(layer, u - e + turn, v)) / (2.0f * e * 2.0f * kPi * width);
-        const float hy = -(heightAt(layer, u + turn, v + e) - heightAt(layer, u + turn, v - e)) / (2.0f * e * kPi);
+        const float hx = (heightAt(layer, u + e + turn, v) - heightAt(layer, u - e + turn, v)) /
+                         (2.0f * e * 2.0f * kPi * width);
+        const float hy =
+            -(heightAt(layer, u + turn, v + e) - heightAt(layer, u + turn, v - e)) / (2.0f * e * kPi);
         const glm::vec3 n = glm::normalize(glm::vec3(-hx * gain, -hy * gain, 1.0f));
         normal.at(x, y)[0] = n.x;
         normal.at(x, y)[1] = n.y;
-        shading.at(x, y)[0] = gain * 0.7f * std::clamp(0.5f - heightAt(layer, u + turn, v) / 0.022f, 0.0f, 1.0f);
+        shading.at(x, y)[0] =
+            gain * 0.7f * std::clamp(0.5f - heightAt(layer, u + turn, v) / 0.022f, 0.0f, 1.0f);
         const glm::vec3 p = onBall(u, v);
         mask.at(x, y)[0] = maskAt(0, p);
         mask.at(x, y)[1] = maskAt(1, p);

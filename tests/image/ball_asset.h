@@ -1,6 +1,7 @@
 #pragma once
 
-// A small asset made by hand: a ball with a UV seam at its back and its poles split into many vertices, cut from the usual grid.
+// A small asset made by hand: a ball with a UV seam at its back and its poles split into many vertices, cut
+// from the usual grid.
 //   palette: 0 holds the lower half, 1 the upper half; moving 1 down squeezes the middle vertically
 //   morph 0: draws the front together sideways
 //   layer 0 "lines": d vertical, horizontal lines on the front; a stretch map of its own

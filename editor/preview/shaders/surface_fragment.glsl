@@ -1,4 +1,5 @@
-// kView, kShading and kMaps (whether the part has maps) are constants: software renderers run both sides of every branch that is not one.
+// kView, kShading and kMaps (whether the part has maps) are constants: software renderers run both sides of
+// every branch that is not one.
 
 uniform sampler2DShadow shadow_map;
 
@@ -7,7 +8,8 @@ layout(location = 0) out vec4 color;
 const float kPi = 3.14159265;
 const float kRoughness = 0.46;
 const float kReflectance = 0.035;
-// How far light wraps round the form, and how much of the bump reaches the diffuse light, by channel: red travels farthest in skin.
+// How far light wraps round the form, and how much of the bump reaches the diffuse light, by channel: red
+// travels farthest in skin.
 const vec3 kWrap = vec3(0.17, 0.11, 0.09);
 // What each light keeps of its reflection: the rim grazes the surface, where everything mirrors.
 const float kGloss[3] = float[3](0.9, 0.9, 0.35);
@@ -62,7 +64,8 @@ vec3 shade(vec3 base, vec3 form, vec3 n, vec3 v, float cavity, float roughness, 
   return total;
 }
 
-// Keeps colours as they are up to 0.8 and rolls brighter ones off to white (Khronos PBR neutral tone mapping).
+// Keeps colours as they are up to 0.8 and rolls brighter ones off to white (Khronos PBR neutral tone
+// mapping).
 vec3 toneMap(vec3 c) {
   const float start = 0.76, desaturation = 0.15;
   float x = min(c.r, min(c.g, c.b));
