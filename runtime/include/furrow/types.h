@@ -26,6 +26,6 @@ struct Affine {
 
 static_assert(sizeof(Float2) == 8 && sizeof(Float3) == 12 && sizeof(Float4) == 16 && sizeof(Affine) == 48);
 
-inline constexpr uint32_t kNone = 0xffffffffu;  // "no index"
+inline constexpr uint32_t kAbsent = 0xffffffffu;  // "no index"
 
 }  // namespace furrow
