@@ -18,65 +18,89 @@ using Kind = RecipeShape::Kind;
 
 // ---- the description ----
 
+Shape make(Kind kind) {
+  Shape shape;
+  shape.kind = kind;
+  return shape;
+}
+Shape make(Kind kind, double min, double max) {
+  Shape shape = make(kind);
+  shape.min = min;
+  shape.max = max;
+  return shape;
+}
 Shape text() {
-  return {.kind = Kind::kText};
+  return make(Kind::kText);
 }
 Shape file() {
-  return {.kind = Kind::kFile};
-}
-Shape word(std::vector<std::string> words) {
-  return {.kind = Kind::kWord, .words = std::move(words)};
+  return make(Kind::kFile);
 }
 Shape number(double min, double max) {
-  return {.kind = Kind::kNumber, .min = min, .max = max};
-}
-Shape above(double min, double max) {
-  return {.kind = Kind::kNumber, .min = min, .max = max, .above_min = true};
+  return make(Kind::kNumber, min, max);
 }
 Shape integer(double min, double max) {
-  return {.kind = Kind::kInteger, .min = min, .max = max};
+  return make(Kind::kInteger, min, max);
+}
+Shape above(double min, double max) {
+  Shape shape = number(min, max);
+  shape.above_min = true;
+  return shape;
+}
+Shape word(std::vector<std::string> words, std::vector<std::string> planned = {}) {
+  Shape shape = make(Kind::kWord);
+  shape.words = std::move(words);
+  shape.planned = std::move(planned);
+  return shape;
 }
 Shape list(Shape item, double min, double max) {
-  return {.kind = Kind::kList, .min = min, .max = max, .inner = {std::move(item)}};
+  Shape shape = make(Kind::kList, min, max);
+  shape.inner = {std::move(item)};
+  return shape;
+}
+Shape map(Shape item) {
+  Shape shape = make(Kind::kMap);
+  shape.inner = {std::move(item)};
+  return shape;
 }
 Shape either(std::vector<Shape> shapes) {
-  return {.kind = Kind::kEither, .inner = std::move(shapes)};
+  Shape shape = make(Kind::kEither);
+  shape.inner = std::move(shapes);
+  return shape;
 }
 Shape object(std::vector<RecipeKey> keys) {
-  return {.kind = Kind::kObject, .keys = std::move(keys)};
+  Shape shape = make(Kind::kObject);
+  shape.keys = std::move(keys);
+  return shape;
 }
 Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys,
             std::vector<std::string> planned = {}) {
-  return {.kind = Kind::kObject,
-          .keys = std::move(keys),
-          .forms = std::move(names),
-          .planned = std::move(planned)};
+  Shape shape = object(std::move(keys));
+  shape.forms = std::move(names);
+  shape.planned = std::move(planned);
+  return shape;
 }
 
 constexpr double kLength = 1e9;   // of the scene's unit
 constexpr double kMany = 100000;  // items of a list without a bound of its own
 
 Shape describeRest() {
-  return either({word({"bind"}),
-                 forms({"clip", "morphs"},
-                       {{"clip", either({text(), integer(0, kMany)}), "Name or number of a clip."},
-                        {"time", number(0, kLength), "Seconds into the clip; default 0.", false, "clip"},
-                        {"morphs",
-                         {.kind = Kind::kMap, .inner = {number(-100, 100)}},
-                         "Weights of morph targets by name; the others are 0."}},
-                       {"file"})});
+  return either(
+      {word({"bind"}),
+       forms({"clip", "morphs"},
+             {{"clip", either({text(), integer(0, kMany)}), "Name or number of a clip."},
+              {"time", number(0, kLength), "Seconds into the clip; default 0.", false, "clip"},
+              {"morphs", map(number(-100, 100)), "Weights of morph targets by name; the others are 0."}},
+             {"file"})});
 }
 
 Shape describeDirection() {
-  Shape words = word({"animation"});
-  words.planned = {"texture", "guides", "map"};
-  return either(
-      {words, forms({"axis", "attribute", "animation"},
-                    {{"axis", list(number(-kLength, kLength), 3, 3),
-                      "Direction across the creases, in the scene root's space; any length but 0."},
-                     {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
-                     {"animation", object({}), "From the squeeze in the clips and morph targets."}},
-                    {"texture", "guides", "map"})});
+  return either({word({"animation"}, {"texture", "guides", "map"}),
+                 forms({"axis", "attribute", "animation"},
+                       {{"axis", list(number(-kLength, kLength), 3, 3),
+                         "Direction across the creases, in the scene root's space; any length but 0."},
+                        {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
+                        {"animation", object({}), "From the squeeze in the clips and morph targets."}},
+                       {"texture", "guides", "map"})});
 }
 
 Shape describeResponse() {
@@ -126,7 +150,7 @@ Shape describeMap() {
 Shape describeLayer() {
   Shape names = list(text(), 1, kMany);
   return object(
-      {{"name", {.kind = Kind::kName}, "Name of the layer, unlike that of any other.", true},
+      {{"name", make(Kind::kName), "Name of the layer, unlike that of any other.", true},
        {"meshes", names, "The meshes it lies on; default all."},
        {"materials", names, "The materials it lies on; default all."},
        {"direction", describeDirection(), "The direction across the creases; default \"animation\"."},

@@ -27,15 +27,14 @@ struct RecipeShape {
     kEither,   // one of `inner`, which a JSON value's type tells apart
   };
 
-  Kind kind;
-  std::vector<std::string> words = {};
+  Kind kind = Kind::kText;
+  std::vector<std::string> words;
   double min = 0.0, max = 0.0;
   bool above_min = false;
-  std::vector<RecipeShape> inner = {};
-  std::vector<RecipeKey> keys = {};
-  std::vector<std::string> forms =
-      {};  // names of keys of which exactly one must be there; empty: no such rule
-  std::vector<std::string> planned = {};  // words or keys of other versions' recipes, refused by name
+  std::vector<RecipeShape> inner;
+  std::vector<RecipeKey> keys;
+  std::vector<std::string> forms;    // names of keys of which exactly one must be there; empty: no such rule
+  std::vector<std::string> planned;  // words or keys of other versions' recipes, refused by name
 };
 
 struct RecipeKey {
