@@ -189,6 +189,10 @@ class Loader {
       if (sum != 65535 && s_.ring_offsets[p] != s_.ring_offsets[p + 1])
         return bad("a ring's weights do not sum to one");
     }
+    const size_t places = streamCount(a_.place_points());
+    if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok()) return status;
+    for (size_t i = 0; i < places; ++i)
+      if (s_.place_points[2 * i] > points() || s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i]) return bad("a place's points are out of range");
     return {};
   }
 
@@ -432,6 +436,7 @@ Status Asset::load(std::span<const std::byte> file) try {
            bytesOf(asset.source()),
            bytesOf(asset.rig()),
            bytesOf(asset.place_hash()),
+           s.place_points,
            asset.position_error()};
   storage_ = std::move(storage);
   return {};

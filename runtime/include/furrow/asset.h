@@ -157,6 +157,7 @@ struct AssetView {
   std::string_view source;        // file name of what was cooked
   std::span<const std::byte> rig;           // the section the pipeline's tools read nodes and clips from; opaque here
   std::span<const std::byte> place_hash;    // the section PlaceHash reads
+  std::span<const uint32_t> place_points;   // 2 a place: its first point, how many points
   float position_error;                     // measured by the cook: largest |asset - source| at rest, in root space
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }

@@ -1,0 +1,25 @@
+#pragma once
+
+// One-rings of the points, weighted by rest angle.
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/bake/surface.h"
+
+namespace furrow::pipeline {
+
+// Point p's triangles are triangles[offsets[p]] to triangles[offsets[p + 1]], ascending, with weights that sum to exactly 65535.
+// Degenerate triangles (no area, or two corners in one point) are in no ring.
+struct Rings {
+  std::vector<uint32_t> offsets;
+  std::vector<uint32_t> triangles;
+  std::vector<uint16_t> weights;
+};
+
+Rings makeRings(const Surface& surface);
+
+// Whether a triangle has a plane: its area is more than 1e-6 of the square of its longest edge.
+bool isDegenerate(const Surface& surface, size_t triangle);
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,115 @@
+#include "pipeline/bake/squeeze.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "pipeline/bake/rings.h"
+#include "pipeline/scene/posing.h"
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr double kNoise = 0.01;        // a squeeze below one percent is not one
+constexpr int kMostClipPoses = 64;     // over all clips
+constexpr double kPosesASecond = 12.0;
+
+class Meter {
+ public:
+  Meter(const Surface& surface, Squeeze& squeeze) : surface_(surface), squeeze_(squeeze) {
+    squeeze.tensor.assign(surface.triangles.size(), glm::vec3(0.0f));
+    squeeze.peak.assign(surface.triangles.size(), 0.0f);
+  }
+
+  void measure(size_t t, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double& total) {
+    const glm::uvec3 corners = surface_.triangles[t];
+    const TriangleFrame rest = triangleFrame(surface_.positions[corners.x], surface_.positions[corners.y], surface_.positions[corners.z]);
+    const double area = rest.e1x * rest.e2y;
+    if (!(area > 0.0) || isDegenerate(surface_, t)) return;
+    const glm::dvec3 f1 = (b - a) / rest.e1x;
+    const glm::dvec3 f2 = ((c - a) - f1 * rest.e2x) / rest.e2y;
+    const double xx = glm::dot(f1, f1), xy = glm::dot(f1, f2), yy = glm::dot(f2, f2);
+    const double half = 0.5 * (xx - yy);
+    const double spread = std::sqrt(half * half + xy * xy);
+    const double smallest = std::sqrt(std::max(0.0, 0.5 * (xx + yy) - spread));
+    const double s = 1.0 - smallest;
+    if (!(s > kNoise)) return;
+    // Double angle of the direction of the smallest stretch is opposite to that of the largest.
+    const double cos2 = spread > 0.0 ? -half / spread : 0.0;
+    const double sin2 = spread > 0.0 ? -xy / spread : 0.0;
+    const double weight = s * s;
+    squeeze_.tensor[t] += glm::vec3(weight * 0.5 * (1.0 + cos2), weight * 0.5 * sin2, weight * 0.5 * (1.0 - cos2));
+    squeeze_.peak[t] = std::max(squeeze_.peak[t], static_cast<float>(s));
+    total += s * area;
+  }
+
+ private:
+  const Surface& surface_;
+  Squeeze& squeeze_;
+};
+
+}  // namespace
+
+TriangleFrame triangleFrame(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+  TriangleFrame frame{};
+  frame.e1x = glm::length(b - a);
+  frame.x = frame.e1x > 0.0 ? (b - a) / frame.e1x : glm::dvec3(1.0, 0.0, 0.0);
+  frame.e2x = glm::dot(c - a, frame.x);
+  const glm::dvec3 up = (c - a) - frame.e2x * frame.x;
+  frame.e2y = glm::length(up);
+  frame.y = frame.e2y > 0.0 ? up / frame.e2y : glm::dvec3(0.0);
+  return frame;
+}
+
+Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface, const std::vector<uint32_t>& source_vertex) {
+  Squeeze squeeze;
+  Meter meter(surface, squeeze);
+
+  std::vector<glm::vec3> moved(surface.positions);
+  std::vector<char> touched(surface.positions.size(), 0);
+  for (const SurfacePart& span : surface.parts) {
+    const Part& part = scene.parts[span.source_part];
+    const Primitive& primitive = scene.primitives[part.primitive];
+    std::vector<uint32_t> asset_vertex(primitive.positions.size());
+    for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v) asset_vertex[source_vertex[v] - span.vertex_begin] = v;
+    const glm::dmat3 linear(span.rest);
+    for (const MorphDelta& delta : primitive.morphs) {
+      for (size_t i = 0; i < delta.vertices.size(); ++i) {
+        const uint32_t v = asset_vertex[delta.vertices[i]];
+        moved[v] += glm::vec3(linear * glm::dvec3(delta.positions[i]));
+        touched[v] = 1;
+      }
+      for (uint32_t t = span.triangle_begin; t < span.triangle_end; ++t) {
+        const glm::uvec3 c = surface.triangles[t];
+        if (touched[c.x] | touched[c.y] | touched[c.z]) meter.measure(t, moved[c.x], moved[c.y], moved[c.z], squeeze.by_morphs);
+      }
+      for (uint32_t source : delta.vertices) {
+        moved[asset_vertex[source]] = surface.positions[asset_vertex[source]];
+        touched[asset_vertex[source]] = 0;
+      }
+    }
+  }
+
+  double seconds = 0.0;
+  for (const Clip& clip : scene.rig.clips) seconds += clip.duration;
+  const double rate = std::min(kPosesASecond, kMostClipPoses / std::max(seconds, 1e-6));
+  for (const Clip& clip : scene.rig.clips) {
+    const int poses = std::max(3, static_cast<int>(std::lround(clip.duration * rate)));
+    for (int i = 0; i < poses; ++i) {
+      Pose pose = defaultPose(scene.rig);
+      applyClip(scene.rig, clip, clip.duration * i / (poses - 1), pose);
+      const PosedRig posed = evaluate(scene.rig, pose);
+      for (const SurfacePart& span : surface.parts) {
+        const std::vector<glm::dvec3> positions = posePart(scene, scene.parts[span.source_part], posed);
+        const auto at = [&](uint32_t v) { return positions[source_vertex[v] - span.vertex_begin]; };
+        for (uint32_t t = span.triangle_begin; t < span.triangle_end; ++t) {
+          const glm::uvec3 c = surface.triangles[t];
+          meter.measure(t, at(c.x), at(c.y), at(c.z), squeeze.by_clips);
+        }
+      }
+    }
+  }
+  return squeeze;
+}
+
+}  // namespace furrow::pipeline

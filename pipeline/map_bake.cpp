@@ -1,0 +1,250 @@
+#include "pipeline/map_bake.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "pipeline/error.h"
+#include "pipeline/maps/synthesis.h"
+#include "pipeline/maps/texel_map.h"
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr double kTexelsASpacing = 12.0;
+constexpr uint32_t kLeastSize = 64, kMostSize = 2048, kMostMaskSize = 512;
+constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
+constexpr double kSkinDepth = 0.16, kClothDepth = 0.24;  // of the spacing
+
+struct Maps {
+  Image normal, shading;
+};
+
+// Bilinear, wrapping around.
+Image resized(const Image& image, uint32_t size) {
+  Image out{size, size, image.channels, std::vector<float>(size_t{size} * size * image.channels)};
+  for (uint32_t y = 0; y < size; ++y)
+    for (uint32_t x = 0; x < size; ++x) {
+      const double sx = (x + 0.5) * image.width / size - 0.5 + image.width, sy = (y + 0.5) * image.height / size - 0.5 + image.height;
+      const double fx = sx - std::floor(sx), fy = sy - std::floor(sy);
+      const auto ix = static_cast<uint32_t>(sx), iy = static_cast<uint32_t>(sy);
+      for (uint32_t c = 0; c < image.channels; ++c) {
+        const auto at = [&](uint32_t dx, uint32_t dy) { return double{image.at((ix + dx) % image.width, (iy + dy) % image.height)[c]}; };
+        out.at(x, y)[c] = static_cast<float>((at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) + (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy);
+      }
+    }
+  return out;
+}
+
+Image flat(uint32_t size, uint32_t channels) { return {size, size, channels, std::vector<float>(size_t{size} * size * channels, 0.0f)}; }
+
+class MapBake {
+ public:
+  MapBake(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
+          std::vector<std::filesystem::path>& dependencies)
+      : in_(input), recipe_(recipe), layers_(layers), threads_(threads), dependencies_(dependencies) {}
+
+  std::vector<BakedTextureSet> bake() {
+    std::map<uint32_t, BakedTextureSet> by_material;
+    for (uint32_t p = 0; p < in_.surface.parts.size(); ++p) {
+      if (!in_.surface.parts[p].has_uvs) continue;
+      const uint32_t material = in_.scene.parts[in_.surface.parts[p].source_part].material;
+      BakedTextureSet& set = by_material[material];
+      set.parts.push_back(p);
+      if (material < in_.scene.materials.size()) set.name = in_.scene.materials[material].name;
+    }
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      compress_.push_back(prepare(recipe_.layers[l].compress, layers_[l]));
+      stretch_.push_back(prepare(recipe_.layers[l].stretch, layers_[l]));
+    }
+    std::vector<BakedTextureSet> sets;
+    for (auto& [material, set] : by_material) {
+      bakeSet(set);
+      sets.push_back(std::move(set));
+    }
+    return sets;
+  }
+
+ private:
+  struct Source {
+    std::optional<SynthesisSettings> settings;
+    std::shared_ptr<Synthesis> synthesis;
+  };
+
+  Source prepare(const Map& map, const BakedLayer& layer) const {
+    Source source;
+    const auto* wanted = std::get_if<MapSynthesized>(&map);
+    const auto* height = std::get_if<MapHeight>(&map);
+    if (!wanted && !height) return source;
+    glm::vec3 lowest(INFINITY), highest(-INFINITY);
+    for (size_t p = 0; p < layer.field.strength.size(); ++p) {
+      if (layer.field.strength[p] < 0.1f) continue;
+      lowest = glm::min(lowest, in_.surface.point_positions[p]);
+      highest = glm::max(highest, in_.surface.point_positions[p]);
+    }
+    if (!(lowest.x <= highest.x)) return source;
+    SynthesisSettings settings;
+    settings.preset = wanted && wanted->preset ? *wanted->preset : in_.squeeze.by_morphs >= in_.squeeze.by_clips ? Preset::kSkin : Preset::kCloth;
+    settings.spacing = wanted && wanted->spacing > 0.0 ? wanted->spacing : glm::length(highest - lowest) / kSpacingsAcross;
+    settings.depth = settings.spacing * (settings.preset == Preset::kSkin ? kSkinDepth : kClothDepth);
+    if (wanted && wanted->depth > 0.0) settings.depth = wanted->depth;
+    if (height && height->depth > 0.0) settings.depth = height->depth;
+    if (!(settings.spacing > 0.0)) return source;
+    if (wanted) settings.seed = wanted->seed;
+    source.settings = settings;
+    if (wanted) source.synthesis = std::make_shared<Synthesis>(in_.surface, layer.field, settings);
+    return source;
+  }
+
+  bool reaches(const BakedLayer& layer, const BakedTextureSet& set) const {
+    for (uint32_t part : set.parts)
+      for (uint32_t v = in_.surface.parts[part].vertex_begin; v < in_.surface.parts[part].vertex_end; ++v)
+        if (layer.field.strength[in_.surface.vertex_point[v]] >= 1.0f / 255.0f) return true;
+    return false;
+  }
+
+  // Root-space length of one unit of UV.
+  double lengthOfUv(const BakedTextureSet& set) const {
+    double area = 0.0, uv_area = 0.0;
+    for (uint32_t part : set.parts)
+      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end; ++t) {
+        const glm::uvec3 v = in_.surface.triangles[t];
+        const glm::dvec3 a = in_.surface.positions[v.x];
+        area += glm::length(glm::cross(glm::dvec3(in_.surface.positions[v.y]) - a, glm::dvec3(in_.surface.positions[v.z]) - a));
+        const glm::dvec2 s = in_.surface.uvs[v.x], e = glm::dvec2(in_.surface.uvs[v.y]) - s, f = glm::dvec2(in_.surface.uvs[v.z]) - s;
+        uv_area += std::abs(e.x * f.y - e.y * f.x);
+      }
+    return uv_area > 0.0 ? std::sqrt(area / uv_area) : 0.0;
+  }
+
+  uint32_t mapSize(const BakedTextureSet& set) const {
+    const double length = lengthOfUv(set);
+    double texels = kLeastSize;
+    for (const auto* sources : {&compress_, &stretch_})
+      for (size_t l = 0; l < sources->size(); ++l)
+        if ((*sources)[l].settings && reaches(layers_[l], set)) texels = std::max(texels, kTexelsASpacing * length / (*sources)[l].settings->spacing);
+    for (const LayerRecipe& layer : recipe_.layers)
+      for (const Map* map : {&layer.compress, &layer.stretch})
+        if (std::holds_alternative<MapNormal>(*map) || std::holds_alternative<MapHeight>(*map)) texels = std::max(texels, 1024.0);
+    const uint32_t most = recipe_.map_size ? std::bit_floor(recipe_.map_size) : kMostSize;
+    return std::min(most, std::bit_ceil(static_cast<uint32_t>(std::min(texels, 16384.0))));
+  }
+
+  Image read(const std::filesystem::path& file, uint32_t least_channels) {
+    dependencies_.push_back(file);
+    Image image = readImage(file);
+    if (image.channels < least_channels)
+      throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels", "use an image with " + std::to_string(least_channels));
+    return image;
+  }
+
+  // An authored normal map: renormalised, x and y kept.
+  Image normalsOf(const std::filesystem::path& file, uint32_t size) {
+    const Image source = resized(read(file, 3), size);
+    Image out = flat(size, 2);
+    for (size_t i = 0; i < size_t{size} * size; ++i) {
+      const glm::vec3 n = glm::vec3(source.pixels[i * source.channels], source.pixels[i * source.channels + 1], source.pixels[i * source.channels + 2]) * 2.0f - 1.0f;
+      const float length = glm::length(n);
+      if (!(length > 0.1f)) continue;
+      out.pixels[2 * i] = n.x / length;
+      out.pixels[2 * i + 1] = n.y / length;
+    }
+    return out;
+  }
+
+  // Slopes of an authored height map, x along +u and y along -v, which is up in the image.
+  Maps mapsFromHeight(const std::filesystem::path& file, uint32_t size, double depth, double length_of_uv) {
+    const Image source = resized(read(file, 1), size);
+    Maps maps{flat(size, 2), flat(size, 1)};
+    const double texel = length_of_uv / size;
+    const auto height = [&](uint32_t x, uint32_t y) { return double{source.at(x % size, y % size)[0]} * depth; };
+    for (uint32_t y = 0; y < size; ++y)
+      for (uint32_t x = 0; x < size; ++x) {
+        const double dx = texel > 0.0 ? (height(x + 1, y) - height(x + size - 1, y)) / (2.0 * texel) : 0.0;
+        const double dy = texel > 0.0 ? (height(x, y + size - 1) - height(x, y + 1)) / (2.0 * texel) : 0.0;
+        const double length = std::sqrt(dx * dx + dy * dy + 1.0);
+        maps.normal.at(x, y)[0] = static_cast<float>(-dx / length);
+        maps.normal.at(x, y)[1] = static_cast<float>(-dy / length);
+        maps.shading.at(x, y)[0] = 0.5f * (1.0f - std::clamp(source.at(x, y)[0], 0.0f, 1.0f));
+      }
+    return maps;
+  }
+
+  void bakeSet(BakedTextureSet& set) {
+    set.compress_slice.assign(layers_.size(), kAbsent);
+    set.stretch_slice.assign(layers_.size(), kAbsent);
+    const uint32_t size = mapSize(set);
+    std::vector<Image> normals, shading;
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      if (!reaches(layers_[l], set)) continue;
+      const LayerRecipe& layer = recipe_.layers[l];
+      const auto add = [&](const Map& map, const Source& source, const std::optional<std::filesystem::path>& authored_shading, uint32_t& slice) {
+        Maps maps;
+        if (const auto* normal = std::get_if<MapNormal>(&map)) {
+          maps = {normalsOf(normal->texture, size), flat(size, 1)};
+        } else if (const auto* height = std::get_if<MapHeight>(&map)) {
+          maps = mapsFromHeight(height->texture, size, source.settings ? source.settings->depth : height->depth, lengthOfUv(set));
+        } else if (source.synthesis) {
+          SynthesizedMaps drawn = source.synthesis->draw(set.parts, size, threads_);
+          maps = {std::move(drawn.normal), std::move(drawn.shading)};
+        } else {
+          return;
+        }
+        if (authored_shading) {
+          const Image image = resized(read(*authored_shading, 1), size);
+          for (size_t i = 0; i < size_t{size} * size; ++i) maps.shading.pixels[i] = image.pixels[i * image.channels];
+        }
+        slice = static_cast<uint32_t>(normals.size());
+        normals.push_back(std::move(maps.normal));
+        shading.push_back(std::move(maps.shading));
+      };
+      add(layer.compress, compress_[l], layer.compress_shading, set.compress_slice[l]);
+      add(layer.stretch, stretch_[l], layer.stretch_shading, set.stretch_slice[l]);
+    }
+    set.normals = encode(TextureFormat::kBc5, normals);
+    set.shading = encode(TextureFormat::kBc4, shading);
+    if (!normals.empty()) bakeMasks(set, std::min(size, kMostMaskSize));
+  }
+
+  void bakeMasks(BakedTextureSet& set, uint32_t size) {
+    const TexelMap texels = mapTexels(in_.surface, set.parts, size, size / 64 + 2);
+    std::vector<Image> slices((layers_.size() + 3) / 4, flat(size, 4));
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      Image& slice = slices[l / 4];
+      const size_t channel = l % 4;
+      if (const auto* texture = std::get_if<MaskTexture>(&recipe_.layers[l].mask)) {
+        const Image image = resized(readImage(texture->texture), size);
+        for (size_t i = 0; i < size_t{size} * size; ++i) slice.pixels[4 * i + channel] = image.pixels[i * image.channels + texture->channel];
+        continue;
+      }
+      for (size_t i = 0; i < size_t{size} * size; ++i) {
+        if (texels.triangle[i] == kNoIndex) continue;
+        const glm::uvec3 p = in_.surface.trianglePoints(texels.triangle[i]);
+        const glm::vec2 b = texels.barycentric[i];
+        const std::vector<float>& strength = layers_[l].field.strength;
+        slice.pixels[4 * i + channel] = std::clamp(strength[p.x] * (1.0f - b.x - b.y) + strength[p.y] * b.x + strength[p.z] * b.y, 0.0f, 1.0f);
+      }
+    }
+    set.masks = encode(TextureFormat::kRgba8, slices);
+  }
+
+  const LayerInput& in_;
+  const Recipe& recipe_;
+  const std::vector<BakedLayer>& layers_;
+  uint32_t threads_;
+  std::vector<std::filesystem::path>& dependencies_;
+  std::vector<Source> compress_, stretch_;
+};
+
+}  // namespace
+
+std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
+                                      std::vector<std::filesystem::path>& dependencies) {
+  return MapBake(input, recipe, layers, threads, dependencies).bake();
+}
+
+}  // namespace furrow::pipeline

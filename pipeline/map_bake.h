@@ -1,0 +1,21 @@
+#pragma once
+
+// The maps of an asset: texture sets by material, with the wrinkle maps, shading maps and masks of every layer.
+
+#include "pipeline/layer_bake.h"
+#include "pipeline/maps/encode.h"
+
+namespace furrow::pipeline {
+
+struct BakedTextureSet {
+  std::string name;
+  std::vector<uint32_t> parts;  // of the surface
+  EncodedTexture normals, shading, masks;
+  std::vector<uint32_t> compress_slice, stretch_slice;  // a layer, kAbsent: none
+};
+
+// Sets for all parts with UVs, by material. `dependencies` gains the images read. Throws Error (kBadData) for an image that cannot be used.
+std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
+                                      std::vector<std::filesystem::path>& dependencies);
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,233 @@
+#include "pipeline/pack/geometry.h"
+
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <stdexcept>
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr uint32_t kNormalBits = 10;
+constexpr uint32_t kTangentBits = 11;
+constexpr uint32_t kLeastPositionBits = 16, kMostPositionBits = 24;  // a float holds 24
+constexpr int kDracoSpeed = 4;
+
+// Length that one edge in twenty is shorter than.
+double shortEdge(const Primitive& primitive) {
+  std::vector<float> lengths;
+  for (size_t i = 0; i < primitive.indices.size(); ++i) {
+    const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+    const float length = glm::distance(primitive.positions[primitive.indices[i]], primitive.positions[primitive.indices[next]]);
+    if (length > 0.0f) lengths.push_back(length);
+  }
+  if (lengths.empty()) return 0.0;
+  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 20, lengths.end());
+  return lengths[lengths.size() / 20];
+}
+
+template <typename Vector>
+PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& values, uint32_t bits) {
+  PackedAttribute attribute{semantic, static_cast<uint32_t>(Vector::length()), bits, {}, 0.0f, {}};
+  Vector lowest = values.front(), highest = values.front();
+  for (const Vector& v : values) {
+    lowest = glm::min(lowest, v);
+    highest = glm::max(highest, v);
+  }
+  double range = 0.0;
+  for (int c = 0; c < Vector::length(); ++c) {
+    attribute.offset.push_back(lowest[c]);
+    range = std::max(range, double{highest[c]} - double{lowest[c]});
+  }
+  const uint32_t most = (1u << bits) - 1;
+  attribute.step = static_cast<float>(range / most);
+  for (const Vector& v : values)
+    for (int c = 0; c < Vector::length(); ++c)
+      attribute.values.push_back(
+          attribute.step > 0.0f
+              ? std::min(most, static_cast<uint32_t>(std::lround((double{v[c]} - double{lowest[c]}) / double{attribute.step})))
+              : 0u);
+  return attribute;
+}
+
+uint32_t positionBits(const Primitive& primitive) {
+  glm::vec3 lowest = primitive.positions.front(), highest = lowest;
+  for (const glm::vec3& p : primitive.positions) {
+    lowest = glm::min(lowest, p);
+    highest = glm::max(highest, p);
+  }
+  const glm::vec3 size = highest - lowest;
+  const double step = shortEdge(primitive) / 64.0;
+  if (!(step > 0.0)) return kLeastPositionBits;
+  const double bits = std::ceil(std::log2(std::max({size.x, size.y, size.z}) / step + 1.0));
+  return static_cast<uint32_t>(std::clamp(bits, double{kLeastPositionBits}, double{kMostPositionBits}));
+}
+
+void packSkin(const Primitive& primitive, PackedPart& part) {
+  const uint32_t most = std::max(1u, primitive.influences);
+  uint32_t used = 1;
+  std::vector<uint16_t> shares(size_t{part.vertices} * most, 0);
+  for (size_t v = 0; v < part.vertices; ++v) {
+    std::vector<double> weights(most, 0.0);
+    for (uint32_t k = 0; k < primitive.influences; ++k) weights[k] = primitive.weights[v * most + k];
+    if (primitive.influences == 0) weights[0] = 1.0;
+    quantizeUnitSum(weights, {&shares[v * most], most});
+    used = std::max(used, static_cast<uint32_t>(most - std::count(&shares[v * most], &shares[v * most] + most, 0)));
+  }
+  PackedAttribute joints{format::Semantic::Joints, used, 16, {}, 1.0f, {}};
+  PackedAttribute weights{format::Semantic::Weights, used, 16, {}, 1.0f, {}};
+  for (size_t v = 0; v < part.vertices; ++v) {
+    uint32_t written = 0;
+    for (uint32_t k = 0; k < most; ++k) {
+      if (shares[v * most + k] == 0) continue;
+      joints.values.push_back(primitive.influences ? primitive.joints[v * most + k] : 0u);
+      weights.values.push_back(shares[v * most + k]);
+      ++written;
+    }
+    for (; written < used; ++written) {
+      joints.values.push_back(0);
+      weights.values.push_back(0);
+    }
+  }
+  part.attributes.push_back(std::move(joints));
+  part.attributes.push_back(std::move(weights));
+}
+
+bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int method) {
+  draco::Mesh mesh;
+  mesh.set_num_points(part.vertices);
+  for (const PackedAttribute& source : part.attributes) {
+    draco::GeometryAttribute shape;
+    const auto type = source.semantic == format::Semantic::Position ? draco::GeometryAttribute::POSITION
+                      : source.semantic == format::Semantic::Uv     ? draco::GeometryAttribute::TEX_COORD
+                                                                    : draco::GeometryAttribute::GENERIC;
+    shape.Init(type, nullptr, static_cast<uint8_t>(source.components), draco::DT_UINT32, false, 4 * source.components, 0);
+    const int id = mesh.AddAttribute(shape, true, part.vertices);
+    draco::PointAttribute* attribute = mesh.attribute(id);
+    for (uint32_t v = 0; v < part.vertices; ++v)
+      attribute->SetAttributeValue(draco::AttributeValueIndex(v), &source.values[size_t{v} * source.components]);
+    attribute->set_unique_id(static_cast<uint32_t>(source.semantic));
+    // Seams share positions, so that the connectivity is that of the closed surface.
+    if (source.semantic == format::Semantic::Position) attribute->DeduplicateValues(*attribute);
+  }
+  for (size_t i = 0; i < indices.size(); i += 3)
+    mesh.AddFace({draco::PointIndex(indices[i]), draco::PointIndex(indices[i + 1]), draco::PointIndex(indices[i + 2])});
+  draco::Encoder encoder;
+  encoder.SetSpeedOptions(kDracoSpeed, kDracoSpeed);
+  encoder.SetEncodingMethod(method);
+  encoder.SetTrackEncodedProperties(true);
+  draco::EncoderBuffer buffer;
+  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok() || encoder.num_encoded_points() != part.vertices) return false;
+  part.triangles = static_cast<uint32_t>(encoder.num_encoded_faces());
+  part.draco.assign(buffer.data(), buffer.data() + buffer.size());
+  return true;
+}
+
+Status decodePacked(const PackedPart& part, uint32_t influences, PartGeometry& out) {
+  flatbuffers::FlatBufferBuilder builder;
+  builder.Finish(writePart(builder, part));
+  return decodePart(*flatbuffers::GetRoot<format::Part>(builder.GetBufferPointer()), influences, out);
+}
+
+}  // namespace
+
+PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals, std::span<const glm::vec4> tangents,
+                        GeometryCodec codec) {
+  PackedPart part;
+  part.vertices = static_cast<uint32_t>(primitive.positions.size());
+  part.triangles = static_cast<uint32_t>(primitive.indices.size() / 3);
+  part.attributes.push_back(quantize(format::Semantic::Position, primitive.positions, positionBits(primitive)));
+  if (!primitive.uvs.empty()) part.attributes.push_back(quantize(format::Semantic::Uv, primitive.uvs, 16));
+
+  PackedAttribute normal{format::Semantic::Normal, 2, kNormalBits, {}, 1.0f, {}};
+  PackedAttribute tangent{format::Semantic::Tangent, 1, kTangentBits, {}, 1.0f, {}};
+  PackedAttribute source{format::Semantic::Source, 1, 30, {}, 1.0f, {}};
+  for (uint32_t v = 0; v < part.vertices; ++v) {
+    uint32_t x, y;
+    encodeOctahedral({normals[v].x, normals[v].y, normals[v].z}, kNormalBits, x, y);
+    normal.values.insert(normal.values.end(), {x, y});
+    tangent.values.push_back(encodeTangent(decodeOctahedral(x, y, kNormalBits),
+                                           {tangents[v].x, tangents[v].y, tangents[v].z, tangents[v].w}, kTangentBits));
+    source.values.push_back(v);
+  }
+  part.attributes.push_back(std::move(normal));
+  part.attributes.push_back(std::move(tangent));
+  part.attributes.push_back(std::move(source));
+  packSkin(primitive, part);
+
+  if (codec == GeometryCodec::kDraco) {
+    for (const int method : {draco::MESH_EDGEBREAKER_ENCODING, draco::MESH_SEQUENTIAL_ENCODING}) {
+      PackedPart trial = part;
+      PartGeometry decoded;
+      if (encodeDraco(trial, primitive.indices, method) && decodePacked(trial, influencesOf(trial), decoded).ok()) return trial;
+    }
+  }
+  part.indices = primitive.indices;
+  return part;
+}
+
+flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& builder, const PackedPart& part) {
+  std::vector<flatbuffers::Offset<format::Attribute>> attributes;
+  const bool raw = part.draco.empty();
+  for (const PackedAttribute& attribute : part.attributes)
+    attributes.push_back(format::CreateAttribute(
+        builder, attribute.semantic, static_cast<uint8_t>(attribute.components), static_cast<uint8_t>(attribute.bits),
+        builder.CreateVector(attribute.offset), attribute.step,
+        raw ? writeStream(builder, attribute.values.data(), 4, attribute.values.size()) : flatbuffers::Offset<format::Stream>()));
+  const auto indices = raw ? writeStream(builder, part.indices.data(), 4, part.indices.size(), format::Codec::MeshoptSequence)
+                           : flatbuffers::Offset<format::Stream>();
+  std::vector<float> rest;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) rest.push_back(static_cast<float>(part.rest[column][row]));
+  const format::Color color(part.base_color.r, part.base_color.g, part.base_color.b, part.base_color.a);
+  return format::CreatePart(builder, builder.CreateString(part.mesh), builder.CreateString(part.material), part.vertices, part.triangles,
+                            builder.CreateVector(attributes), builder.CreateVector(part.draco), indices, part.palette_begin,
+                            part.palette_count, part.texture_set, &color, builder.CreateVector(rest), part.has_normals, part.has_uvs);
+}
+
+PartGeometry unpackGeometry(const PackedPart& part, uint32_t influences) {
+  PartGeometry geometry;
+  if (const Status status = decodePacked(part, influences, geometry); !status.ok()) throw std::runtime_error(status.message);
+  return geometry;
+}
+
+uint32_t influencesOf(const PackedPart& part) {
+  for (const PackedAttribute& attribute : part.attributes)
+    if (attribute.semantic == format::Semantic::Joints) return attribute.components;
+  return 1;
+}
+
+flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data, uint32_t stride, size_t count,
+                                                format::Codec codec) {
+  std::vector<uint8_t> bytes;
+  if (count > 0 && codec == format::Codec::MeshoptVertex) {
+    bytes.resize(meshopt_encodeVertexBufferBound(count, stride));
+    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), data, count, stride));
+  } else if (count > 0) {
+    const auto* words = static_cast<const uint32_t*>(data);
+    bytes.resize(meshopt_encodeIndexSequenceBound(count, *std::max_element(words, words + count) + size_t{1}));
+    bytes.resize(meshopt_encodeIndexSequence(bytes.data(), bytes.size(), words, count));
+  }
+  return format::CreateStream(builder, codec, stride, static_cast<uint32_t>(count), builder.CreateVector(bytes));
+}
+
+void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out) {
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  std::vector<std::pair<double, size_t>> remainders;
+  uint32_t left = 65535;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const double share = 65535.0 * (sum > 0.0 ? values[i] / sum : 1.0 / static_cast<double>(values.size()));
+    out[i] = static_cast<uint16_t>(std::min(share, double{left}));
+    left -= out[i];
+    remainders.push_back({static_cast<double>(out[i]) - share, i});
+  }
+  std::sort(remainders.begin(), remainders.end());
+  for (size_t i = 0; left > 0 && !remainders.empty(); i = (i + 1) % remainders.size(), --left) ++out[remainders[i].second];
+}
+
+}  // namespace furrow::pipeline
