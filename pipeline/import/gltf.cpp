@@ -13,8 +13,6 @@
 namespace furrow::pipeline {
 namespace {
 
-// Primitives may share one accessor: a small file can ask for any number of vertices.
-constexpr size_t kMostVertices = size_t{1} << 27;
 constexpr double kWeightSumNoise = 1e-6;  // left as it is
 constexpr double kWeightSumSlack = 1e-3;  // corrected without a word
 
@@ -342,8 +340,6 @@ class GltfImporter {
       return std::nullopt;
     }
     const size_t vertices = position->count;
-    vertices_ += vertices;
-    if (vertices_ > kMostVertices) fail("it has more than " + std::to_string(kMostVertices) + " vertices");
     expectVector(*position, "POSITION", 3, vertices);
 
     Primitive out;
@@ -618,7 +614,6 @@ class GltfImporter {
   std::map<int, Range> skin_palettes_;
   std::map<uint32_t, uint32_t> node_palette_;
   std::string where_;  // what is being read, for messages
-  size_t vertices_ = 0;
   size_t repaired_numbers_ = 0;
   size_t unbound_vertices_ = 0;
   size_t unbalanced_vertices_ = 0;

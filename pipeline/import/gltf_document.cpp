@@ -21,6 +21,9 @@ using Bytes = std::span<const uint8_t>;
 constexpr int kDeepestNesting = 100;
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
 
+// Accessors may be read any number of times, and may hold more zeros than the file has bytes.
+constexpr size_t kNumbersAtLeast = size_t{1} << 26, kNumbersPerByte = 64;
+
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kQuantization = "KHR_mesh_quantization";
@@ -408,6 +411,7 @@ AccessorView GltfDocument::accessor(int index) {
       static_cast<uint32_t>(tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type)));
   const size_t element = componentSize(accessor.componentType) * view.components;
   if (view.count == 0) fail(name + " is empty");
+  if (view.count > std::numeric_limits<uint32_t>::max()) fail(name + " is too long");
 
   if (accessor.bufferView >= 0) {
     const Bytes bytes = viewBytes(accessor.bufferView);
@@ -421,6 +425,9 @@ AccessorView GltfDocument::accessor(int index) {
   } else if (view.count > total_bytes_) {
     fail(name + " has more elements than the file has bytes");
   }
+  numbers_ += view.count * view.components;
+  if (numbers_ > kNumbersAtLeast + kNumbersPerByte * total_bytes_)
+    fail("it uses its data over and over, into more than furrow reads");
 
   if (accessor.sparse.isSparse) {
     const auto& sparse = accessor.sparse;

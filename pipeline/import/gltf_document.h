@@ -75,6 +75,7 @@ class GltfDocument {
   std::vector<uint8_t> bytes_;
   std::vector<Buffer> buffers_;
   size_t total_bytes_ = 0;
+  size_t numbers_ = 0;  // in all accessors that were asked for
   tinygltf::Model model_;
   std::map<int, std::vector<uint8_t>> decoded_views_;
   std::vector<std::string> warnings_;

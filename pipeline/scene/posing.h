@@ -17,7 +17,7 @@ void applyClip(const Rig& rig, const Clip& clip, double time, Pose& pose);
 // World matrices of the nodes and from them the palette.
 PosedRig evaluate(const Rig& rig, const Pose& pose);
 
-// Root-space position of every vertex of `part` under the pose: morphs first, then the skin (weights as they stand in the file) or the node.
+// Root-space position of every vertex of `part` under the pose: morphs first, then the skin (weights as they stand in the primitive) or the node.
 // The reference that the runtime's deform job is held against.
 std::vector<glm::dvec3> posePart(const SourceScene& scene, const Part& part, const PosedRig& pose);
 

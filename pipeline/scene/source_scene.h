@@ -38,7 +38,7 @@ struct Primitive {
   std::vector<Attribute> attributes;
   uint32_t influences = 0;      // joints a vertex: 0 without skin, else a multiple of 4
   std::vector<uint16_t> joints;  // influences a vertex, index into the skin's joints
-  std::vector<float> weights;    // influences a vertex, >= 0
+  std::vector<float> weights;    // influences a vertex, >= 0, adding up to 1
   std::vector<uint32_t> indices;
   std::vector<MorphDelta> morphs;  // one a target of the mesh
 };

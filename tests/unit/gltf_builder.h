@@ -2,17 +2,39 @@
 
 // Small glTF files, made in memory and written where a test can read them.
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <string>
 #include <vector>
 
 namespace furrow::test {
 
+// A folder of this process, gone with it.
+class ScratchFolder {
+ public:
+  ScratchFolder()
+      : path_(std::filesystem::path(::testing::TempDir()) /
+              ("furrow_test_" + std::to_string(std::random_device()()))) {
+    std::filesystem::create_directories(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 inline std::filesystem::path writeFile(const std::string& name, const std::string& bytes) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / name;
+  static const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / name;
   std::ofstream(file, std::ios::binary) << bytes;
   return file;
 }

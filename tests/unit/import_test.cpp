@@ -378,6 +378,14 @@ TEST(Import, RefusesWhatIsNoModel) {
   EXPECT_THAT(refusalOf("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("no faces"));
 }
 
+TEST(Import, RefusesASmallFileThatUnfoldsIntoAHugeOne) {
+  GltfBuilder file;
+  file.add<float>(std::vector<float>(30000), "VEC3", 3);
+  std::string primitives = kTriangle;
+  for (int i = 0; i < 20000; ++i) primitives += std::string(",") + kTriangle;
+  EXPECT_THAT(refusalOf("bomb.glb", file.glb(shown(primitives))), HasSubstr("over and over"));
+}
+
 TEST(Import, RefusesBrokenGltf) {
   const auto refuse = [](const GltfBuilder& file, const std::string& primitive,
                          const std::string& more = "") {
@@ -537,6 +545,28 @@ TEST(Import, PlyStlAndOff) {
   std::string many = header + list + body;
   many.replace(many.find("vertex 3"), 8, "vertex 4000000000");
   EXPECT_THAT(refusalOf("many.ply", many), HasSubstr("cut off"));
+
+  std::string big =
+      "ply\nformat binary_big_endian 1.0\nobj_info element end_header\nelement vertex 3\nproperty float x\n"
+      "property double y\nproperty float z\nproperty float s\nproperty float t\nelement face 1\n" +
+      list;
+  const auto append = [&big](auto value) {
+    const char* bytes = reinterpret_cast<const char*>(&value);
+    for (size_t i = sizeof value; i-- > 0;) big.push_back(bytes[i]);
+  };
+  for (int v = 0; v < 3; ++v) {
+    append(static_cast<float>(v));
+    append(static_cast<double>(v * v));
+    append(3.0f);
+    append(0.25f);
+    append(0.5f * static_cast<float>(v));
+  }
+  append(uint8_t{3});
+  for (const int32_t i : {2, 1, 0}) append(i);
+  const SourceScene big_endian = importText("big.ply", big);
+  EXPECT_THAT(big_endian.primitives[0].indices, ElementsAre(2, 1, 0));
+  EXPECT_EQ(big_endian.primitives[0].positions[2], glm::vec3(2, 4, 3));
+  EXPECT_EQ(big_endian.primitives[0].uvs[2], glm::vec2(0.25, 1));
 
   const std::string off = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3";
   EXPECT_EQ(count(importText("square.off", off + "\n")), (Counts{4, 2, 1, 0, 0, 0}));
