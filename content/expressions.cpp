@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <glm/common.hpp>
+#include <glm/gtc/constants.hpp>
 #include <glm/trigonometric.hpp>
 
 #include "content/head.h"
@@ -40,17 +41,16 @@ dvec3 closeLids(const HeadPoint& point, double upper, double lower) {
     return dvec3(0);
   const dvec2 margins = head::lidMargins(p.x);
   const auto elevation = [&](double y) {
-    const double dx = p.x - head::kEye.x;
-    return std::asin(
-        std::clamp((y - head::kEye.y) / std::sqrt(head::kLid * head::kLid - dx * dx), -1.0, 1.0));
+    const dvec3 margin = head::trace({p.x, y, 8}, {0, 0, -1});
+    return std::atan2(y - head::kEye.y, margin.z - head::kEye.z);
   };
   const double top = elevation(margins.x), bottom = elevation(margins.y), meet = glm::mix(bottom, top, 0.16);
-  const double at = std::atan2(p.y - head::kEye.y, p.z - head::kEye.z);
-  double angle = 0;
-  if (point.lower_lid)
-    angle = lower * (meet - bottom) * smoothRamp(glm::radians(-58.0), bottom, at);
-  else
-    angle = upper * (meet - top) * smoothRamp(glm::radians(66.0), top + 0.04, at);
+  // Skin slides under the fold of the lid, which lies close to the margin at the corners.
+  const double t = (p.x - head::kEyeInner) / (head::kEyeOuter - head::kEyeInner);
+  const double fold = 0.12 + 0.62 * std::pow(std::sin(glm::pi<double>() * t), 0.7);
+  const double angle = point.lower_lid
+                           ? lower * (meet - bottom) * smoothRamp(margins.y - 1.2 * fold, margins.y, p.y)
+                           : upper * (meet - top) * smoothRamp(margins.x + fold, margins.x, p.y);
   return turnAboutX(p, head::kEye, angle) - p;
 }
 
@@ -86,34 +86,41 @@ dvec3 eyeBlink(const HeadPoint& point) {
   return closeLids(point, 1.0, 1.0);
 }
 
-// Orbicularis oculi: the lids narrow, the skin beside the outer corner is drawn to it.
+// Orbicularis oculi: the lids narrow, the skin beside the outer corner is gathered to its height.
 dvec3 eyeSquint(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double lids = smoothRamp(0.9, 1.5, std::abs(p.y - 0.0));
-  const double temple = spot(p, {5.6, 0.1}, {1.0, 1.5}) *
+  const double lids = smoothRamp(0.9, 1.5, std::abs(p.y));
+  const double temple = spot(p, {5.6, 0.0}, {1.2, 2.2}) *
                         smoothRamp(head::kEyeOuter - 0.1, head::kEyeOuter + 0.9, p.x) * front(p);
+  const dvec3 gathered = dvec3(-0.22, -0.50 * p.y * std::exp(-std::pow(p.y / 1.7, 2)), 0.12) * temple;
   const double cheek = spot(p, {3.9, -1.9}, {1.7, 0.9}) * smoothRamp(-0.85, -1.5, p.y);
   const double brow = spot(p, {3.9, 1.9}, {1.8, 0.8}) * lids * aboveLids(p);
-  return closeLids(point, 0.34, 1.9) + dvec3(-0.48, 0.0, 0.20) * temple + dvec3(0.0, 0.36, 0.12) * cheek +
+  return closeLids(point, 0.24, 1.5) + gathered + dvec3(0.0, 0.36, 0.12) * cheek +
          dvec3(0, -0.22, 0.05) * brow;
 }
 
 dvec3 cheekSquint(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double w = spot(p, {3.8, -2.6}, {1.7, 1.25}) * smoothRamp(-0.75, -1.6, p.y) * front(p);
-  return dvec3(0.05, 0.62, 0.22) * w + closeLids(point, 0.0, 1.2);
+  return dvec3(0.05, 0.62, 0.22) * w + closeLids(point, 0.0, 0.7);
 }
 
 double side(double x) {
   return smoothRamp(-1.3, 1.3, x);
 }
 
+// The corner goes out and up, the cheek piles up behind the nasolabial fold.
 dvec3 mouthSmile(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double corner = spot(p, {2.65, -7.0}, {1.7, 1.35}) * side(p.x) * front(p);
-  const double lip = spot(p, {1.3, -7.0}, {1.3, 0.9}) * side(p.x) * 0.35;
-  const double cheek = spot(p, {3.9, -3.9}, {1.6, 1.5}) * side(p.x) * front(p) * smoothRamp(-0.8, -2.0, p.y);
-  return dvec3(0.80, 0.72, -0.42) * corner + dvec3(0.25, -0.1, -0.15) * lip + dvec3(0.10, 0.42, 0.38) * cheek;
+  const double left = side(p.x) * front(p);
+  const head::Fold fold = head::nasolabialFold(p);
+  const double lips = spot(p, {2.5, -7.0}, {1.9, 1.25}) * left;
+  const double held = smoothRamp(0.9, -0.1, fold.distance);
+  const double cheek = spot(p, {4.0, -4.2}, {1.7, 1.9}) * left * smoothRamp(-0.8, -2.0, p.y) *
+                       smoothRamp(-0.2, 0.7, fold.distance);
+  const double crease = std::exp(-std::pow(fold.distance / 0.4, 2)) * spot(p, {2.8, -5.6}, {1.8, 2.0}) * left;
+  return dvec3(0.62, 0.50, -0.36) * lips * (0.25 + 0.75 * held) + dvec3(0.02, 0.34, 0.42) * cheek +
+         dvec3(0.05, 0.06, -0.10) * crease;
 }
 
 dvec3 noseSneer(const HeadPoint& point) {
@@ -122,7 +129,7 @@ dvec3 noseSneer(const HeadPoint& point) {
   const double lip = spot(p, {1.6, -5.7}, {1.1, 1.1}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0);
   const double flank = spot(p, {1.1, -1.9}, {1.0, 1.3}) * side(p.x * 1.6) * smoothRamp(0.6, -0.6, p.y);
   const double front_face = smoothRamp(-1.0, 0.5, p.z);
-  return (dvec3(0.08, 0.34, -0.06) * wing + dvec3(0.05, 0.26, 0.04) * lip + dvec3(0.03, 0.30, 0.05) * flank) *
+  return (dvec3(0.10, 0.42, -0.06) * wing + dvec3(0.05, 0.26, 0.04) * lip + dvec3(0.03, 0.30, 0.05) * flank) *
          front_face;
 }
 
@@ -136,8 +143,8 @@ dvec3 jawOpen(const HeadPoint& point) {
   const double length = 1.25 + 1.6 * beyond;
   const double corner = u * u * u * u * std::exp(-above * above / (length * length));
   const double follow = point.lower_lip ? 1.0 - 0.58 * corner : 0.42 * corner;
-  const double fade = smoothRamp(-15.0, -11.0, p.y) * smoothRamp(-9.0, -5.0, p.z);
-  return turnAboutX(p, {0, -2.6, -6.8}, -glm::radians(15.0) * follow * fade) - p;
+  const double fade = smoothRamp(-14.3, -11.3, p.y + 0.5 * std::min(p.z, 0.0)) * smoothRamp(-9.0, -5.0, p.z);
+  return turnAboutX(p, {0, -2.6, -6.8}, -glm::radians(13.0) * follow * fade) - p;
 }
 
 struct Expression {

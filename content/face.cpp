@@ -27,7 +27,9 @@ enum MaterialIndex : uint32_t {
   kLips,
   kBrows,
   kLashes,
+  kLidInside,
   kMouthInside,
+  kTeeth,
   kEyeWhite,
   kIris,
   kPupil,
@@ -35,10 +37,11 @@ enum MaterialIndex : uint32_t {
 };
 
 std::vector<Material> materials() {
-  return {{"skin", {0.80f, 0.55f, 0.42f}, 0.55f},       {"lips", {0.66f, 0.31f, 0.27f}, 0.45f},
-          {"brows", {0.20f, 0.12f, 0.085f}, 0.8f},      {"lashes", {0.09f, 0.05f, 0.04f}, 0.8f, true},
-          {"mouth", {0.20f, 0.05f, 0.05f}, 0.6f, true}, {"eye", {0.88f, 0.86f, 0.83f}, 0.2f},
-          {"iris", {0.17f, 0.26f, 0.30f}, 0.2f},        {"pupil", {0.01f, 0.01f, 0.012f}, 0.2f},
+  return {{"skin", {0.80f, 0.55f, 0.42f}, 0.55f},     {"lips", {0.66f, 0.31f, 0.27f}, 0.45f},
+          {"brows", {0.20f, 0.12f, 0.085f}, 0.8f},    {"lashes", {0.09f, 0.05f, 0.04f}, 0.8f, true},
+          {"lid", {0.62f, 0.33f, 0.28f}, 0.5f, true}, {"mouth", {0.16f, 0.035f, 0.035f}, 0.6f, true},
+          {"teeth", {0.80f, 0.77f, 0.70f}, 0.3f},     {"eye", {0.88f, 0.86f, 0.83f}, 0.2f},
+          {"iris", {0.17f, 0.26f, 0.30f}, 0.2f},      {"pupil", {0.01f, 0.01f, 0.012f}, 0.2f},
           {"hood", {0.10f, 0.12f, 0.15f}, 0.9f, true}};
 }
 
@@ -101,7 +104,8 @@ class HalfFace {
       const double eyes = std::exp(-std::pow(y / 1.3, 4)), mouth = std::exp(-std::pow((y + 7.0) / 1.3, 4));
       const double nose = std::exp(-std::pow((y + 4.3) / 0.9, 4));
       const double throat = smoothRamp(-11.0, -13.0, y);
-      return 0.20 - 0.09 * std::max(eyes, mouth) - 0.05 * nose + 0.2 * throat;
+      const double brows = std::exp(-std::pow((y - 1.9) / 0.7, 4));
+      return 0.21 - 0.10 * std::max({eyes, mouth, 0.9 * brows}) - 0.05 * nose + 0.2 * throat;
     };
     angles_ = stations(0.0, 1.85, angle_step);
     heights_ = stations(-15.2, 8.2, height_step);
@@ -221,8 +225,13 @@ class HalfFace {
     outer.push_back(loop.front());
     const std::vector<uint32_t> edge = ring(head::kEyeball + 0.035, 0.0),
                                 inside = ring(head::kEyeball + 0.03, 0.25);
-    strip(outer, edge, kLashes);
-    strip(edge, inside, kLashes);
+    const uint32_t top = eye_end_ - eye_begin_;
+    const auto part = [](const std::vector<uint32_t>& ring_points, uint32_t begin, uint32_t end) {
+      return std::vector<uint32_t>(ring_points.begin() + begin, ring_points.begin() + end + 1);
+    };
+    strip(part(edge, 0, top), part(outer, 0, top), kLashes);
+    strip(part(edge, top, 2 * top), part(outer, top, 2 * top), kLidInside);
+    strip(inside, edge, kLidInside);
   }
 
   // The pocket behind the lips.
@@ -307,8 +316,18 @@ void paint(Skin& skin, uint32_t from, uint32_t to, Level&& level) {
       if (cut > 0.8) snapped[b] = true;
     }
   }
-  for (size_t p = 0; p < levels.size(); ++p)
-    if (snapped[p]) levels[p] = 0;
+  for (size_t p = 0; p < levels.size(); ++p) {
+    if (!snapped[p]) continue;
+    dvec3& point = mesh.points[p];
+    constexpr double e = 1e-4;
+    const dvec2 slope = dvec2(level(point + dvec3(e, 0, 0)) - level(point - dvec3(e, 0, 0)),
+                              level(point + dvec3(0, e, 0)) - level(point - dvec3(0, e, 0))) /
+                        (2 * e);
+    if (point.x > 0 && glm::dot(slope, slope) > 0.1)
+      point = head::onto(point - dvec3(slope * levels[p] / glm::dot(slope, slope), 0), 3);
+    skin.points[p].position = point;
+    levels[p] = 0;
+  }
 
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> cut_points, cut_vertices;
   const auto cutVertex = [&](uint32_t va, uint32_t vb) {
@@ -400,13 +419,45 @@ Skin mirrored(const Skin& half) {
   return whole;
 }
 
+// A row of teeth, `lower` or upper: a band along the dental arch.
+void addTeeth(Skin& skin, bool lower) {
+  constexpr uint32_t kAcross = 84, kDown = 5;
+  SurfaceMesh& mesh = skin.mesh;
+  const uint32_t first = static_cast<uint32_t>(mesh.vertices.size());
+  for (uint32_t j = 0; j <= kDown; ++j) {
+    for (uint32_t i = 0; i <= kAcross; ++i) {
+      const double u = 2.0 * i / kAcross - 1, v = static_cast<double>(j) / kDown;
+      const double tooth =
+          std::abs(std::sin(0.5 * kPi * (u * 5.0)));  // gaps at the middle and every fifth of a side
+      const double x = 2.0 * std::sin(1.25 * u), arch = 1.55 - 1.3 * (1 - std::cos(1.25 * u));
+      const double edge = lower ? -7.02 : -7.26 + 0.06 * (1 - tooth), root = lower ? -7.75 : -6.45;
+      const double bulge = 0.10 * std::pow(tooth, 0.35) + 0.06 * std::sin(kPi * v) - (lower ? 0.22 : 0.0);
+      const dvec3 p(x, glm::mix(edge, root, v), arch + bulge);
+      mesh.points.push_back(p);
+      skin.points.push_back({p, lower, lower});
+      mesh.addVertex(static_cast<uint32_t>(mesh.points.size() - 1),
+                     {0.02 + 0.96 * (u + 1) / 2, (lower ? 0.088 : 0.072) + 0.012 * v});
+    }
+  }
+  for (uint32_t j = 0; j < kDown; ++j) {
+    for (uint32_t i = 0; i < kAcross; ++i) {
+      const uint32_t a = first + j * (kAcross + 1) + i, b = a + kAcross + 1;
+      if (lower)
+        mesh.addQuad(a, b, b + 1, a + 1);
+      else
+        mesh.addQuad(a, a + 1, b + 1, b);
+    }
+  }
+  skin.materials.resize(mesh.triangles.size(), kTeeth);
+}
+
 // The edge of the hood, seen from a point inside the head: `turn` about the way it faces, then so far away
 // from there.
 constexpr dvec3 kInside{0, -3.7, -5.0};
 
 double hoodOpening(double turn) {
   const double s = std::sin(turn);
-  return glm::radians(s > 0 ? 69.0 - 10.0 * s * s : 69.0 + 1.0 * s * s);
+  return glm::radians(s > 0 ? 69.0 - 10.0 * s * s : 69.0 + 3.0 * s * s);
 }
 
 dvec3 hoodDirection(double turn) {
@@ -421,11 +472,11 @@ double underHood(dvec3 p) {
 }
 
 double browLevel(dvec3 p) {
-  const double x = std::abs(p.x), t = (x - 1.15) / (5.0 - 1.15);
-  const double middle = 1.72 + 0.62 * std::sin(kPi * std::clamp(0.12 + 0.70 * t, 0.0, 1.0)) - 0.42 * t * t;
-  const double half = 0.30 * std::pow(std::clamp(1 - t, 0.0, 1.0), 0.7) * smoothRamp(-0.03, 0.16, t) + 0.0;
-  if (t <= -0.03 || t >= 1 || p.y < 0.9) return 1.0;
-  return std::abs(p.y - middle) - half;
+  const double x = std::abs(p.x), t = (x - 1.2) / (4.9 - 1.2);
+  if (p.y < 0.9 || p.y > 3.5 || t < -0.3 || t > 1.3) return 1.0;
+  const double middle = 1.78 + 0.55 * std::sin(kPi * std::clamp(0.10 + 0.72 * t, 0.0, 1.0)) - 0.50 * t * t;
+  const double half = 0.27 * std::min({1.0, 0.45 + 3.5 * t, 0.4 + 1.5 * (1 - t)});
+  return std::max({std::abs(p.y - middle) - half, 3.7 * (t - 0.97), -3.7 * (t + 0.04)});
 }
 
 double lipLevel(dvec3 p) {
@@ -448,47 +499,26 @@ glm::vec3 tangent(dvec3 p, dvec3 wish) {
   return glm::length(t) > 1e-3 ? glm::vec3(glm::normalize(t)) : glm::vec3(0, 1, 0);
 }
 
-// Distance from the nasolabial fold, which runs from the wing of the nose past the corner of the mouth, and
-// its direction there.
-constexpr std::array<dvec2, 6> kFold{
-    {{1.75, -3.5}, {2.25, -4.6}, {2.85, -5.8}, {3.25, -6.9}, {3.3, -8.0}, {3.0, -9.0}}};
-std::pair<double, dvec2> fold(dvec2 p) {
-  double best = 1e9;
-  dvec2 across(0), along_sum(0);
-  double weight_sum = 0;
-  for (size_t k = 0; k + 1 < kFold.size(); ++k) {
-    const dvec2 a = kFold[k], b = kFold[k + 1];
-    const double t = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0, 1.0);
-    const double distance = glm::distance(p, glm::mix(a, b, t));
-    best = std::min(best, distance);
-    const double weight = 1 / (0.05 + distance * distance * distance);
-    along_sum += glm::normalize(b - a) * weight;
-    weight_sum += weight;
-  }
-  const dvec2 along = glm::normalize(along_sum / weight_sum);
-  across = {-along.y, along.x};
-  return {best, across};
-}
-
 Painting paintingAt(dvec3 p) {
   Painting result;
   const dvec3 m(std::abs(p.x), p.y, p.z);
   const double mirror = p.x < 0 ? -1.0 : 1.0;
   const double in_front = smoothRamp(-5.0, -3.0, p.z);
   const double forehead =
-      smoothRamp(1.75, 2.9, m.y) * smoothRamp(6.6, 5.4, m.y) * smoothRamp(6.2, 4.6, m.x) * in_front;
-  const double glabella = smoothRamp(2.1, 0.9, m.x) * smoothRamp(0.3, 1.1, m.y) * smoothRamp(3.6, 2.5, m.y);
+      smoothRamp(1.5, 3.0, m.y) * smoothRamp(6.7, 5.0, m.y) * smoothRamp(6.4, 3.6, m.x) * in_front;
+  const double glabella = smoothRamp(1.0, 0.3, glm::length(dvec2(m.x / 2.4, (m.y - 1.9) / 2.0)));
 
   const dvec2 from_corner = dvec2(m) - dvec2(head::kEyeOuter - 0.35, 0.0);
   const double reach = glm::length(from_corner), angle = std::atan2(from_corner.y, from_corner.x);
-  const double crow = smoothRamp(0.35, 0.75, reach) * smoothRamp(2.4, 1.3, reach) *
-                      smoothRamp(1.25, 0.6, std::abs(angle)) * in_front;
-  const double under_eye = smoothRamp(1.5, 2.3, m.x) * smoothRamp(5.0, 4.2, m.x) *
-                           smoothRamp(-0.55, -0.8, m.y) * smoothRamp(-1.9, -1.2, m.y);
+  const double crow = smoothRamp(0.3, 0.8, reach) * smoothRamp(2.6, 1.2, reach) *
+                      smoothRamp(1.45, 0.5, std::abs(angle)) * in_front;
+  const double under_eye = smoothRamp(1.0, 0.4, glm::length(dvec2((m.x - 3.3) / 2.2, (m.y + 1.15) / 0.8))) *
+                           smoothRamp(-0.5, -0.75, m.y);
 
-  const auto [distance, across] = fold(dvec2(m));
-  const double mouth = smoothRamp(1.5, 0.35, distance) * smoothRamp(-2.6, -3.8, m.y) *
-                       smoothRamp(-9.4, -8.2, m.y) * smoothRamp(1.0, 1.7, m.x) * smoothRamp(-3.0, -1.0, m.z);
+  const auto [beside, across] = head::nasolabialFold(dvec2(m));
+  const double distance = std::abs(beside);
+  const double mouth = smoothRamp(1.6, 0.1, distance) * smoothRamp(-2.8, -4.4, m.y) *
+                       smoothRamp(-9.4, -7.6, m.y) * smoothRamp(1.0, 1.7, m.x) * smoothRamp(-3.0, -1.0, m.z);
   result.mask = glm::vec4(forehead, glabella, std::max(crow, 0.75 * under_eye), mouth);
 
   // Beside the corner creases are spokes of it; under the eye they run along the lid.
@@ -576,7 +606,7 @@ void trim(Skin& skin) {
   std::vector<uint32_t> point_of(skin.mesh.points.size(), ~0u), vertex_of(skin.mesh.vertices.size(), ~0u);
   for (size_t t = 0; t < skin.mesh.triangles.size(); ++t) {
     const SurfaceMesh::Triangle& triangle = skin.mesh.triangles[t];
-    const auto hidden = [&](uint32_t p) { return underHood(skin.mesh.points[p]) > 1.5; };
+    const auto hidden = [&](uint32_t p) { return underHood(skin.mesh.points[p]) > 0.8; };
     if (skin.materials[t] == kSkin && std::ranges::all_of(triangle.points, hidden)) continue;
     std::array<uint32_t, 3> corners{};
     for (int k = 0; k < 3; ++k) {
@@ -627,6 +657,22 @@ Skin hood() {
       }
     }
   }
+  // Even out the cloth behind the roll.
+  for (int round = 0; round < 12; ++round) {
+    std::vector<dvec3> next = mesh.points;
+    for (uint32_t ring = std::size(kRoll); ring + 1 < rings; ++ring) {
+      for (uint32_t spoke = 0; spoke < kSpokes; ++spoke) {
+        const uint32_t at = ring * kSpokes + spoke;
+        const uint32_t before = ring * kSpokes + (spoke + kSpokes - 1) % kSpokes,
+                       after = ring * kSpokes + (spoke + 1) % kSpokes;
+        next[at] = 0.25 * (mesh.points[before] + mesh.points[after] + mesh.points[at - kSpokes] +
+                           mesh.points[at + kSpokes]);
+      }
+    }
+    mesh.points = std::move(next);
+  }
+  for (uint32_t p = kSpokes * std::size(kRoll); p < mesh.points.size(); ++p)
+    mesh.points[p] = head::onto(mesh.points[p], 4, 0.4);
   for (uint32_t ring = 0; ring < rings; ++ring)
     for (uint32_t spoke = 0; spoke <= kSpokes; ++spoke)
       mesh.addVertex(ring * kSpokes + spoke % kSpokes,
@@ -637,7 +683,9 @@ Skin hood() {
       mesh.addQuad(a, b, b + 1, a + 1);
     }
   }
-  for (const dvec3& p : mesh.points) hood.points.push_back({p, p.y < head::lipLine(0), p.y < 0});
+  // Cloth goes with the skin under it.
+  for (const dvec3& p : mesh.points)
+    hood.points.push_back({head::onto(p, 4), p.y < head::lipLine(0), p.y < 0});
   hood.materials.assign(mesh.triangles.size(), kHood);
   return hood;
 }
@@ -746,6 +794,8 @@ Scene buildFace() {
   paint(skin, kSkin, kBrows, browLevel);
   trim(skin);
   skin = mirrored(skin);
+  addTeeth(skin, false);
+  addTeeth(skin, true);
 
   Scene scene;
   scene.materials = materials();

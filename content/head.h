@@ -3,7 +3,6 @@
 // The sculpted head as a signed distance, and the lines drawn on it. Centimetres; eyes at y = 0, facing +Z,
 // the character's left at +X.
 
-#include <array>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -28,5 +27,13 @@ glm::dvec2 lidMargins(double x);
 // y where the lips meet, and the borders of the upper and the lower lip, at x >= 0.
 double lipLine(double x);
 glm::dvec2 lipBorders(double x);
+
+// The nasolabial fold of the left side: distance from it, positive on the cheek's side, and the unit
+// direction across it, to the cheek.
+struct Fold {
+  double distance;
+  glm::dvec2 across;
+};
+Fold nasolabialFold(glm::dvec2 p);
 
 }  // namespace furrow::content::head

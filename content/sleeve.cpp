@@ -60,6 +60,8 @@ Influence influence(double x, double width) {
   Influence result;
   result.weights = glm::vec4(1 - bend, bend * (1 - half), bend * half * (1 - full), bend * half * full);
   result.weights /= result.weights.x + result.weights.y + result.weights.z + result.weights.w;
+  for (int k = 0; k < 4; ++k)
+    if (result.weights[k] == 0) result.joints[k] = 0;
   return result;
 }
 
@@ -93,7 +95,7 @@ Tube tube(std::span<const glm::dvec2> profile, uint32_t spokes, Radius&& radius)
   for (uint32_t ring = 0; ring + 1 < profile.size(); ++ring) {
     for (uint32_t spoke = 0; spoke < spokes; ++spoke) {
       const uint32_t a = ring * (spokes + 1) + spoke, b = a + spokes + 1;
-      result.mesh.addQuad(a, a + 1, b + 1, b);
+      result.mesh.addQuad(a, b, b + 1, a + 1);
     }
   }
   return result;
