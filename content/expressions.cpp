@@ -115,11 +115,11 @@ dvec3 mouthSmile(const HeadPoint& point) {
   const double left = side(p.x) * front(p);
   const head::Fold fold = head::nasolabialFold(p);
   const double lips = spot(p, {2.5, -7.0}, {1.9, 1.25}) * left;
-  const double held = smoothRamp(0.9, -0.1, fold.distance);
+  const double held = smoothRamp(0.9, 0.0, fold.distance);
   const double cheek = spot(p, {4.0, -4.2}, {1.7, 1.9}) * left * smoothRamp(-0.8, -2.0, p.y) *
                        smoothRamp(-0.2, 0.7, fold.distance);
   const double crease = std::exp(-std::pow(fold.distance / 0.4, 2)) * spot(p, {2.8, -5.6}, {1.8, 2.0}) * left;
-  return dvec3(0.62, 0.50, -0.36) * lips * (0.25 + 0.75 * held) + dvec3(0.02, 0.34, 0.42) * cheek +
+  return dvec3(0.70, 0.54, -0.38) * lips * (0.25 + 0.75 * held) + dvec3(0.02, 0.34, 0.42) * cheek +
          dvec3(0.05, 0.06, -0.10) * crease;
 }
 

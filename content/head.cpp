@@ -46,7 +46,7 @@ double distance(dvec3 p) {
   d = join(d, limb(q, {4.6, -7.2, -4.6}, {0.9, -10.25, 0.4}, 1.2, 1.25), 2.2);
   d = join(d, ellipsoid(q, {0, -10.05, 1.05}, {1.5, 1.2, 1.15}), 1.5);
   d = join(d, limb(q, {0, -8.0, -6.4}, {0, -19.0, -7.4}, 4.8, 5.5), 2.2);
-  d = carve(d, q.y + 16.6, 2.0);
+  d = carve(d, q.y + 16.9, 5.0);
 
   // Cheekbones, cheeks, temples.
   d = join(d, limb(q, {4.5, -2.2, -0.6}, {5.7, -1.7, -4.5}, 0.95, 0.9), 2.2);

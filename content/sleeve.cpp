@@ -66,7 +66,6 @@ Influence influence(double x, double width) {
 }
 
 // A tube along X, point (ring, spoke) at profile[ring] = (x, radius); the seam is at the back of the arm.
-// Rings from the far end turn the outside out whatever the profile does.
 struct Tube {
   SurfaceMesh mesh;
   std::vector<glm::dvec2>
