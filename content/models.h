@@ -1,0 +1,16 @@
+#pragma once
+
+#include "content/scene.h"
+
+namespace furrow::content {
+
+// A face in a hood: ARKit-named morph targets, clip "performance". Masks in _MASK_A: forehead, glabella,
+// crow's feet, mouth; directions across the creases in _DIR_EYE and _DIR_MOUTH; rest bias in COLOR_0.r
+// (neutral 0.5).
+Scene buildFace();
+
+// A shirt sleeve on an arm: joints upperArm, foreArm, foreArmTwist, hand; clips "bend" and "twist". Masks in
+// _MASK_A: inner side of the elbow, twist below the elbow; rest bias in COLOR_0.r (neutral 0.5).
+Scene buildSleeve();
+
+}  // namespace furrow::content

@@ -1,0 +1,392 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include "content/models.h"
+
+namespace furrow::content {
+namespace {
+
+using Pose = std::vector<std::vector<glm::vec3>>;  // a primitive, a vertex
+
+const Scene& face() {
+  static const Scene scene = buildFace();
+  return scene;
+}
+
+const Scene& sleeve() {
+  static const Scene scene = buildSleeve();
+  return scene;
+}
+
+const Primitive& part(const Scene& scene, const std::string& material) {
+  for (const Mesh& mesh : scene.meshes)
+    for (const Primitive& primitive : mesh.primitives)
+      if (scene.materials[primitive.material].name == material) return primitive;
+  throw std::runtime_error("no part of material " + material);
+}
+
+uint32_t morphIndex(const std::string& name) {
+  const std::vector<std::string>& names = face().meshes[0].morphs;
+  return static_cast<uint32_t>(std::ranges::find(names, name) - names.begin());
+}
+
+std::vector<glm::vec3> morphed(const Primitive& primitive, const std::vector<std::string>& morphs) {
+  std::vector<glm::vec3> result = primitive.positions;
+  for (const std::string& name : morphs)
+    for (size_t v = 0; v < result.size(); ++v) result[v] += primitive.morphs[morphIndex(name)].positions[v];
+  return result;
+}
+
+using Key = std::array<float, 3>;
+Key keyOf(glm::vec3 p) {
+  return {p.x, p.y, p.z};
+}
+
+size_t triangleCount(const Mesh& mesh) {
+  size_t count = 0;
+  for (const Primitive& primitive : mesh.primitives) count += primitive.indices.size() / 3;
+  return count;
+}
+
+// Mean of posed over rest length along unit `d`, by area, over the triangles that `inside` picks by their
+// centre: F d from the edges.
+double lengthRatio(const Primitive& primitive, const std::vector<glm::vec3>& posed, glm::dvec3 d,
+                   const std::function<bool(glm::vec3)>& inside) {
+  double sum = 0, area_sum = 0;
+  for (size_t t = 0; t < primitive.indices.size(); t += 3) {
+    const uint32_t* i = &primitive.indices[t];
+    const glm::dvec3 a = primitive.positions[i[0]], b = primitive.positions[i[1]],
+                     c = primitive.positions[i[2]];
+    if (!inside(glm::vec3((a + b + c) / 3.0))) continue;
+    const glm::dvec3 e1 = b - a, e2 = c - a, n = glm::cross(e1, e2);
+    const double area = glm::length(n);
+    if (area < 1e-14) continue;
+    glm::dvec3 u = d - n * (glm::dot(n, d) / (area * area));
+    if (glm::length(u) < 0.2) continue;
+    u = glm::normalize(u);
+    const double c1 = glm::dot(glm::cross(u, e2), n) / (area * area),
+                 c2 = glm::dot(glm::cross(e1, u), n) / (area * area);
+    const glm::dvec3 p = posed[i[0]], q = posed[i[1]], r = posed[i[2]];
+    sum += area * glm::length(c1 * (q - p) + c2 * (r - p));
+    area_sum += area;
+  }
+  EXPECT_GT(area_sum, 0.0);
+  return sum / area_sum;
+}
+
+std::vector<glm::vec3> skinned(const Scene& scene, const Primitive& primitive, const std::string& clip_name,
+                               size_t key) {
+  const auto clip = std::ranges::find(scene.clips, clip_name, &Clip::name);
+  std::vector<glm::mat4> world(scene.nodes.size()), bind(scene.nodes.size());
+  for (size_t n = 0; n < scene.nodes.size(); ++n) {
+    const Node& node = scene.nodes[n];
+    const glm::mat4 still = glm::translate(glm::mat4(1.0f), node.translation);
+    glm::mat4 local = still;
+    for (const RotationKeys& keys : clip->rotations)
+      if (keys.node == n) local *= glm::mat4_cast(keys.rotations[key]);
+    world[n] = node.parent < 0 ? local : world[node.parent] * local;
+    bind[n] = node.parent < 0 ? still : bind[node.parent] * still;
+  }
+  std::vector<glm::vec3> result;
+  for (size_t v = 0; v < primitive.positions.size(); ++v) {
+    glm::vec4 p(0.0f);
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t joint = scene.joints[primitive.joints[v][k]];
+      p += primitive.weights[v][k] *
+           (world[joint] * glm::inverse(bind[joint]) * glm::vec4(primitive.positions[v], 1.0f));
+    }
+    result.emplace_back(p);
+  }
+  return result;
+}
+
+std::string bytesOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(Content, FaceIsFineEnoughAndOfHumanSize) {
+  EXPECT_GE(part(face(), "skin").indices.size() / 3, 15000u);
+  EXPECT_LE(triangleCount(face().meshes[0]), 80000u);
+  float low = 1, high = -1;
+  for (glm::vec3 p : part(face(), "hood").positions) {
+    low = std::min(low, p.y);
+    high = std::max(high, p.y);
+  }
+  EXPECT_NEAR(high - low, 0.28, 0.03);
+}
+
+TEST(Content, FaceHasTheArkitExpressions) {
+  EXPECT_THAT(face().meshes[0].morphs,
+              testing::IsSupersetOf({"browInnerUp", "browDownLeft", "browDownRight", "browOuterUpLeft",
+                                     "browOuterUpRight", "eyeBlinkLeft", "eyeBlinkRight", "eyeSquintLeft",
+                                     "eyeSquintRight", "mouthSmileLeft", "mouthSmileRight", "noseSneerLeft",
+                                     "noseSneerRight", "jawOpen"}));
+}
+
+TEST(Content, ArraysMatchAndIndicesAreInRange) {
+  for (const Scene* scene : {&face(), &sleeve()}) {
+    for (const Mesh& mesh : scene->meshes) {
+      for (const Primitive& primitive : mesh.primitives) {
+        const size_t count = primitive.positions.size();
+        EXPECT_EQ(primitive.normals.size(), count);
+        EXPECT_EQ(primitive.uvs.size(), count);
+        EXPECT_EQ(primitive.morphs.size(), mesh.morphs.size());
+        for (const Morph& morph : primitive.morphs) EXPECT_EQ(morph.positions.size(), count);
+        for (const auto& [name, values] : primitive.vec3_attributes) EXPECT_EQ(values.size(), count) << name;
+        for (const auto& [name, values] : primitive.vec4_attributes) EXPECT_EQ(values.size(), count) << name;
+        for (glm::vec3 n : primitive.normals) ASSERT_NEAR(glm::length(n), 1.0f, 1e-5f);
+        for (glm::vec2 uv : primitive.uvs) ASSERT_TRUE(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1);
+        for (uint32_t i : primitive.indices) ASSERT_LT(i, count);
+      }
+    }
+  }
+}
+
+TEST(Content, SurfacesFaceOutwards) {
+  const auto outwards = [](const Primitive& primitive, glm::vec3 axis_point, glm::vec3 axis) {
+    double with = 0, against = 0;
+    for (size_t t = 0; t < primitive.indices.size(); t += 3) {
+      const glm::vec3 a = primitive.positions[primitive.indices[t]],
+                      b = primitive.positions[primitive.indices[t + 1]],
+                      c = primitive.positions[primitive.indices[t + 2]];
+      const glm::vec3 n = glm::cross(b - a, c - a),
+                      away = a - axis_point - axis * glm::dot(a - axis_point, axis);
+      const glm::vec3 shading = primitive.normals[primitive.indices[t]];
+      EXPECT_GE(glm::dot(n, shading), -0.5f * glm::length(n));
+      (glm::dot(n, away) > 0 ? with : against) += glm::length(n);
+    }
+    return with / (with + against);
+  };
+  EXPECT_GT(outwards(part(sleeve(), "cloth"), {}, {1, 0, 0}), 0.9);
+  EXPECT_GT(outwards(part(sleeve(), "skin"), {}, {1, 0, 0}), 0.9);
+  EXPECT_GT(outwards(part(face(), "skin"), {0, -0.03f, -0.06f}, {}), 0.95);
+  EXPECT_GT(outwards(part(face(), "hood"), {0, -0.03f, -0.06f}, {}), 0.9);
+  EXPECT_GT(outwards(part(face(), "lips"), {0, -0.07f, 0}, {}), 0.5);
+  for (const char* material : {"eye", "iris", "pupil"})
+    EXPECT_EQ(outwards(part(face(), material), {}, {}), 1.0);
+}
+
+TEST(Content, FaceIsMirrored) {
+  const Primitive& skin = part(face(), "skin");
+  std::set<Key> places;
+  for (glm::vec3 p : skin.positions) places.insert(keyOf(p));
+  for (glm::vec3 p : skin.positions) ASSERT_TRUE(places.contains({-p.x, p.y, p.z}));
+}
+
+// Vertices that a UV seam or a material tells apart stay together in every expression. The lips alone may
+// part, and jawOpen parts them.
+TEST(Content, SeamsStayClosedUnderEveryExpression) {
+  const Mesh& mesh = face().meshes[0];
+  struct Seen {
+    const Primitive* primitive;
+    size_t vertex;
+  };
+  std::map<Key, std::vector<Seen>> places;
+  for (const Primitive& primitive : mesh.primitives)
+    for (size_t v = 0; v < primitive.positions.size(); ++v)
+      places[keyOf(primitive.positions[v])].push_back({&primitive, v});
+  size_t on_seams = 0, parted_lips = 0;
+  for (const auto& [place, seen] : places) {
+    if (seen.size() < 2) continue;
+    std::set<Key> uvs;
+    for (const Seen& s : seen) uvs.insert({s.primitive->uvs[s.vertex].x, s.primitive->uvs[s.vertex].y, 0});
+    on_seams += uvs.size() > 1;
+    for (size_t morph = 0; morph < mesh.morphs.size(); ++morph) {
+      const glm::vec3 first = seen[0].primitive->morphs[morph].positions[seen[0].vertex];
+      for (const Seen& s : seen) {
+        if (s.primitive->morphs[morph].positions[s.vertex] == first) continue;
+        ++parted_lips;
+        ASSERT_LT(std::abs(place[0]), 0.0256f) << mesh.morphs[morph];
+        ASSERT_NEAR(place[1], -0.07f, 0.002f) << mesh.morphs[morph];
+      }
+    }
+  }
+  EXPECT_GT(on_seams, 200u);
+  EXPECT_GT(parted_lips, 20u);
+}
+
+TEST(Content, NoExpressionTurnsSkinInsideOut) {
+  const Primitive& skin = part(face(), "skin");
+  for (const std::string& name : face().meshes[0].morphs) {
+    const std::vector<glm::vec3> posed = morphed(skin, {name});
+    double area = 0, flipped = 0;
+    for (size_t t = 0; t < skin.indices.size(); t += 3) {
+      const uint32_t* i = &skin.indices[t];
+      const auto cross = [&](const std::vector<glm::vec3>& p) {
+        return glm::cross(p[i[1]] - p[i[0]], p[i[2]] - p[i[0]]);
+      };
+      const glm::vec3 before = cross(skin.positions), after = cross(posed);
+      area += glm::length(before);
+      if (glm::dot(before, after) < 0) flipped += glm::length(before);
+    }
+    EXPECT_LT(flipped / area, 0.002) << name;
+  }
+}
+
+TEST(Content, BrowInnerUpSqueezesTheForehead) {
+  const Primitive& skin = part(face(), "skin");
+  const auto posed = morphed(skin, {"browInnerUp"});
+  const auto forehead = [](glm::vec3 p) { return std::abs(p.x) < 0.02f && p.y > 0.028f && p.y < 0.055f; };
+  const double ratio = lengthRatio(skin, posed, {0, 1, 0}, forehead);
+  RecordProperty("ratio", std::to_string(ratio));
+  EXPECT_GT(ratio, 0.60);
+  EXPECT_LT(ratio, 0.80);
+  // The hairline stays.
+  for (size_t v = 0; v < posed.size(); ++v) {
+    if (skin.positions[v].y > 0.066f) {
+      ASSERT_LT(glm::distance(posed[v], skin.positions[v]), 1e-3f);
+    }
+  }
+}
+
+TEST(Content, BrowDownSqueezesTheGlabellaAcross) {
+  const Primitive& skin = part(face(), "skin");
+  const auto posed = morphed(skin, {"browDownLeft", "browDownRight"});
+  const double ratio = lengthRatio(skin, posed, {1, 0, 0}, [](glm::vec3 p) {
+    return std::abs(p.x) < 0.012f && p.y > 0.012f && p.y < 0.026f;
+  });
+  RecordProperty("ratio", std::to_string(ratio));
+  EXPECT_LT(ratio, 0.80);
+  EXPECT_GT(ratio, 0.40);
+}
+
+TEST(Content, SquintSqueezesTheSkinBesideTheEye) {
+  const Primitive& skin = part(face(), "skin");
+  const auto posed = morphed(skin, {"eyeSquintLeft", "cheekSquintLeft"});
+  const double ratio = lengthRatio(skin, posed, {0, 1, 0}, [](glm::vec3 p) {
+    return p.x > 0.046f && p.x < 0.058f && std::abs(p.y) < 0.008f;
+  });
+  RecordProperty("ratio", std::to_string(ratio));
+  EXPECT_LT(ratio, 0.92);
+}
+
+TEST(Content, SmileSqueezesTheCheekAcrossTheFoldAndJawOpenStretchesIt) {
+  const Primitive& skin = part(face(), "skin");
+  const glm::dvec3 across = glm::normalize(glm::dvec3(1.0, 0.45, 0.0));
+  const auto cheek = [](glm::vec3 p) {
+    return p.x > 0.027f && p.x < 0.040f && p.y > -0.066f && p.y < -0.050f;
+  };
+  const double ratio = lengthRatio(skin, morphed(skin, {"mouthSmileLeft"}), across, cheek);
+  RecordProperty("ratio", std::to_string(ratio));
+  EXPECT_LT(ratio, 0.90);
+  const auto beside_mouth = [](glm::vec3 p) {
+    return p.x > 0.024f && p.x < 0.040f && std::abs(p.y + 0.07f) < 0.010f;
+  };
+  EXPECT_GT(lengthRatio(skin, morphed(skin, {"jawOpen"}), {0, 1, 0}, beside_mouth), 1.15);
+}
+
+TEST(Content, ClosedLidsCoverTheEyeball) {
+  const auto posed = morphed(part(face(), "skin"), {"eyeBlinkLeft"});
+  const glm::vec3 eye = face().nodes[2].translation;
+  float radius = 0;
+  for (glm::vec3 p : part(face(), "eye").positions) radius = std::max(radius, glm::length(p));
+  for (glm::vec3 p : posed) ASSERT_GT(glm::distance(p, eye), radius);
+}
+
+TEST(Content, SleeveIsSkinnedSmoothlyAndClosedAtItsSeam) {
+  const Primitive& cloth = part(sleeve(), "cloth");
+  EXPECT_GE(cloth.indices.size() / 3, 8000u);
+  size_t blended = 0, on_seam = 0;
+  std::map<Key, size_t> places;
+  for (size_t v = 0; v < cloth.positions.size(); ++v) {
+    ASSERT_NEAR(cloth.weights[v].x + cloth.weights[v].y + cloth.weights[v].z + cloth.weights[v].w, 1.0f,
+                1e-5f);
+    blended +=
+        std::max({cloth.weights[v].x, cloth.weights[v].y, cloth.weights[v].z, cloth.weights[v].w}) < 0.95f;
+    const auto [place, fresh] = places.emplace(keyOf(cloth.positions[v]), v);
+    if (fresh) continue;
+    ++on_seam;
+    EXPECT_EQ(cloth.weights[v], cloth.weights[place->second]);
+    EXPECT_NE(cloth.uvs[v], cloth.uvs[place->second]);
+  }
+  EXPECT_GT(blended, cloth.positions.size() / 4);
+  EXPECT_GT(on_seam, 100u);
+}
+
+TEST(Content, BendSqueezesTheInnerElbow) {
+  const Primitive& cloth = part(sleeve(), "cloth");
+  const auto inner = [](glm::vec3 p) { return std::abs(p.x - 0.28f) < 0.03f && p.z > 0.05f; };
+  const auto outer = [](glm::vec3 p) { return std::abs(p.x - 0.28f) < 0.03f && p.z < -0.05f; };
+  const auto bent = skinned(sleeve(), cloth, "bend", 30);
+  const double squeezed = lengthRatio(cloth, bent, {1, 0, 0}, inner);
+  RecordProperty("ratio", std::to_string(squeezed));
+  EXPECT_LT(squeezed, 0.7);
+  EXPECT_GT(lengthRatio(cloth, bent, {1, 0, 0}, outer), 1.1);
+  const auto straight = skinned(sleeve(), cloth, "bend", 0);
+  EXPECT_NEAR(lengthRatio(cloth, straight, {1, 0, 0}, inner), 1.0, 1e-4);
+}
+
+TEST(Content, TwistSqueezesAlongOneHelixAndStretchesTheOther) {
+  const Primitive& cloth = part(sleeve(), "cloth");
+  const auto top = [](glm::vec3 p) { return p.x > 0.36f && p.x < 0.42f && p.y > 0.045f; };
+  const auto turned = skinned(sleeve(), cloth, "twist", 22);
+  const double a = lengthRatio(cloth, turned, glm::normalize(glm::dvec3(1, 0, 1)), top);
+  const double b = lengthRatio(cloth, turned, glm::normalize(glm::dvec3(1, 0, -1)), top);
+  RecordProperty("ratio", std::to_string(std::min(a, b)));
+  EXPECT_LT(std::min(a, b), 0.9);
+  EXPECT_GT(std::max(a, b), 1.05);
+}
+
+TEST(Content, ReadsBackAsItWasBuilt) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "content_face.glb";
+  writeGlb(face(), file);
+  tinygltf::TinyGLTF reader;
+  tinygltf::Model model;
+  std::string error, warning;
+  ASSERT_TRUE(reader.LoadBinaryFromFile(&model, &error, &warning, file.string())) << error;
+  EXPECT_EQ(warning, "");
+  ASSERT_EQ(model.meshes.size(), face().meshes.size());
+  ASSERT_EQ(model.meshes[0].primitives.size(), face().meshes[0].primitives.size());
+  for (size_t p = 0; p < model.meshes[0].primitives.size(); ++p) {
+    const Primitive& source = face().meshes[0].primitives[p];
+    ASSERT_EQ(model.meshes[0].primitives[p].targets.size(), source.morphs.size());
+    for (size_t m = 0; m < source.morphs.size(); ++m) {
+      const auto& accessor = model.accessors[model.meshes[0].primitives[p].targets[m].at("POSITION")];
+      ASSERT_EQ(accessor.count, source.positions.size());
+      std::vector<glm::vec3> values(accessor.count, glm::vec3(0.0f));
+      if (accessor.sparse.isSparse) {
+        const auto view = [&](int index, size_t offset) {
+          return &model.buffers[0].data[model.bufferViews[index].byteOffset + offset];
+        };
+        const unsigned char* indices =
+            view(accessor.sparse.indices.bufferView, accessor.sparse.indices.byteOffset);
+        const unsigned char* moved =
+            view(accessor.sparse.values.bufferView, accessor.sparse.values.byteOffset);
+        for (int k = 0; k < accessor.sparse.count; ++k) {
+          uint32_t vertex = 0;
+          std::memcpy(&vertex, indices + 4 * k, 4);
+          std::memcpy(&values.at(vertex), moved + 12 * k, 12);
+        }
+      }
+      ASSERT_EQ(values, source.morphs[m].positions);
+    }
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(Content, SameBytesEveryTime) {
+  const std::filesystem::path folder = testing::TempDir();
+  writeGlb(face(), folder / "content_1.glb");
+  writeGlb(buildFace(), folder / "content_2.glb");
+  EXPECT_EQ(bytesOf(folder / "content_1.glb"), bytesOf(folder / "content_2.glb"));
+  writeGlb(sleeve(), folder / "content_1.glb");
+  writeGlb(buildSleeve(), folder / "content_2.glb");
+  EXPECT_EQ(bytesOf(folder / "content_1.glb"), bytesOf(folder / "content_2.glb"));
+  for (const char* name : {"content_1.glb", "content_2.glb"}) std::filesystem::remove(folder / name);
+}
+
+}  // namespace
+}  // namespace furrow::content
