@@ -18,10 +18,13 @@ struct Image {
   float* at(uint32_t x, uint32_t y) { return &pixels[(static_cast<size_t>(y) * width + x) * channels]; }
 };
 
-// Throws Error (kBadData: it is not an image; names the file and the reason).
+// At most 16384 texels a side and 4 channels. Throws Error (kBadData: it is not such an image, or damaged; names the file and the reason).
 Image readImage(const std::filesystem::path& file);
 
 // 8 bits a channel, format by extension (PNG); written to a temporary beside the file, then renamed. Throws Error (kEnvironment).
 void writeImage(const std::filesystem::path& file, const Image& image);
+
+// The image at another size, triangle-filtered over its edges held; the same pixels if the size is the same.
+Image resize(const Image& image, uint32_t width, uint32_t height);
 
 }  // namespace furrow::pipeline

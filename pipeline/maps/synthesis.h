@@ -3,8 +3,8 @@
 // Wrinkle maps worked out from a direction field: ridges across d, evenly spaced along it, with natural branching and no seams, because the
 // pattern lives on the surface and not in UV.
 
-#include <span>
 #include <memory>
+#include <span>
 
 #include "pipeline/bake/surface.h"
 #include "pipeline/maps/image.h"
@@ -20,21 +20,24 @@ struct SynthesisSettings {
   uint32_t seed = 1;
 };
 
-// Maps of one texture set, row 0 at v = 0. Texels outside every chart are dilated from the nearest chart, then flat.
+// Maps of one texture set, row 0 at v = 0. Texels outside every chart are dilated from the nearest chart (a hundredth of the size), then
+// flat. Slopes are limited to 1.2, where the runtime's fast normalisation still holds.
 struct SynthesizedMaps {
-  Image normal;   // 2 channels: x, y of the unit normal in the vertices' tangent frames, [-1, 1]
-  Image height;   // 1 channel: height over depth, [-1, 1]
-  Image shading;  // 1 channel: alpha-shading factor W, 0 on ridges, towards 1 in valleys
+  Image normal;   // 2 channels: x, y of the unit normal in the vertices' tangent frames (T, w * cross(N, T)), [-1, 1]
+  Image height;   // 1 channel: height over depth, [-1, 1], mean about 0, so that fading out moves nothing
+  Image shading;  // 1 channel: alpha-shading factor W, 0 on ridges, 0.5 in the deepest valleys
 };
 
 // A pattern over the whole surface, made once a layer and then drawn into any number of texture sets. Deterministic; the same at any
-// texture size, thread count and tessellation.
+// texture size and thread count, and but for rounding at any tessellation. Lines sway, branch and taper; where `strength` is 0 the
+// surface is flat. `surface` and `field` must outlive it. The method: kernels.h.
 class Synthesis {
  public:
+  // Throws Error (kBadData) where the spacing is too small for the surface, std::invalid_argument where a size or setting is wrong.
   Synthesis(const Surface& surface, const LayerField& field, const SynthesisSettings& settings);
   ~Synthesis();
 
-  // Draws the parts (indices into Surface::parts, all with UVs) into maps of size x size texels.
+  // Any number of threads may draw at once. Draws the parts (indices into Surface::parts, all with UVs) into maps of size x size texels.
   SynthesizedMaps draw(std::span<const uint32_t> parts, uint32_t size, uint32_t threads) const;
 
  private:
@@ -43,14 +46,5 @@ class Synthesis {
   const LayerField& field_;
   std::unique_ptr<Pattern> pattern_;
 };
-
-// Where each texel of a size x size texture lies on the surface: triangle (global index, or kNoIndex outside every chart) and barycentric
-// coordinates of its centre. Texels within `margin` of a chart are given the nearest point of that chart.
-struct TexelMap {
-  uint32_t size = 0;
-  std::vector<uint32_t> triangle;
-  std::vector<glm::vec2> barycentric;  // of corners 1 and 2
-};
-TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, uint32_t size, uint32_t margin);
 
 }  // namespace furrow::pipeline
