@@ -20,11 +20,10 @@ struct SheetLayout {
   // Of captions and title in pixels; a multiple of 13 is sharpest. 0: from the width of the cells.
   uint32_t text_height = 0;
   std::string title = {};  // above the grid; may be empty
-};  // above the grid; may be empty
 };
 
-// Row-major grid of cells as large as the largest picture, pictures centred in them; 4 channels. Empty for no
-// cells.
+// Row-major grid of cells as large as the largest picture, pictures centred in them; 4 channels. Empty for
+// no cells.
 pipeline::Image contactSheet(std::span<const SheetCell> cells, const SheetLayout& layout);
 
 // Draws ASCII text with its top left corner at x, y; what leaves the image is cut off. Returns the width in

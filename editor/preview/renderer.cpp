@@ -409,9 +409,9 @@ void Renderer::State::fillScene(const RenderOptions& options) {
   scene.eye = glm::vec4(frame.eye, 0.0f);
   // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded
   // side.
-  scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.35f);
+  scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.15f);
   scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
-  scene.lights[2] = light(0.6f, 0.35f, -0.75f, 1.1f);
+  scene.lights[2] = light(0.6f, 0.35f, -0.75f, 0.85f);
   scene.up = glm::vec4(frame.up, 0.0f);
 
   // The shadow map spans what the picture shows at the target; casters before it are clamped onto it.

@@ -5,14 +5,14 @@
 // In one line a layer:
 //
 //   FurrowWrinkles wrinkles = furrowBegin(base_normal);
-//   furrowAddLayer(wrinkles, weight, slices, uv);           // once a layer; the weight is the interpolated w of the vertices, in [-1, 1]
-//   vec3 normal = furrowNormal(wrinkles);                   // tangent space, unit
+//   furrowAddLayer(wrinkles, weight, slices, uv);  // each layer; weight: the interpolated w of the vertices
+//   vec3 normal = furrowNormal(wrinkles);          // tangent space, unit
 //
 // furrowAddLayer fetches the maps through macros that the engine defines first. They are called in divergent
 // control flow: sample with explicit gradients there.
 //   FURROW_NORMAL(uv, slice)   vec2 of TextureSet::normals
 //   FURROW_SHADING(uv, slice)  float of TextureSet::shading
-//   FURROW_MASK(uv, slice)     vec4 of TextureSet::masks; not defined: the weights have been multiplied by Layer::mask
+//   FURROW_MASK(uv, slice)     vec4 of TextureSet::masks; not defined: weights come times Layer::mask
 // Without FURROW_NORMAL the library has no furrowAddLayer and the engine puts the functions below together
 // itself.
 //
@@ -57,7 +57,9 @@ vec3 furrowScale(vec3 normal, float I) { return normalize(vec3(normal.xy * I, no
 // the two over I in [0, 1], which lies near I = 0.55, by the length of the map's x and y:
 //   x^2 + y^2   0.1    0.2    0.3    0.4    0.5    0.6    0.64   0.7    0.8    0.9
 //   degrees     0.4    1.1    2.3    3.8    5.9    8.8    10.2   12.7   18.4   28.2
-vec3 furrowScaleFast(vec3 normal, float I) { return vec3(normal.xy * I, sqrt(1.0 - I * I * (1.0 - normal.z * normal.z))); }
+vec3 furrowScaleFast(vec3 normal, float I) {
+  return vec3(normal.xy * I, sqrt(1.0 - I * I * (1.0 - normal.z * normal.z)));
+}
 
 // ---- Two normals; unit in, unit out ----
 
@@ -65,7 +67,9 @@ vec3 furrowCombineGradients(vec3 base, vec3 detail) {
   return normalize(vec3(base.xy * detail.z + detail.xy * base.z, base.z * detail.z));
 }
 
-vec3 furrowCombineWhiteout(vec3 base, vec3 detail) { return normalize(vec3(base.xy + detail.xy, base.z * detail.z)); }
+vec3 furrowCombineWhiteout(vec3 base, vec3 detail) {
+  return normalize(vec3(base.xy + detail.xy, base.z * detail.z));
+}
 
 vec3 furrowCombineReoriented(vec3 base, vec3 detail) {
   vec3 t = base + vec3(0.0, 0.0, 1.0);
@@ -111,7 +115,7 @@ float furrowRoughness(float roughness, float variance) {
 
 struct FurrowWrinkles {
   vec3 normal;    // of the layers so far; (slope, 1) when gradients are summed, else unit
-  float shading;  // product of 1 - I W: the colour factor of alpha shading, and a cavity factor for every other kind
+  float shading;  // product of 1 - I W: the colour of alpha shading, a cavity factor for all others
 };
 
 FurrowWrinkles furrowBegin(vec3 base_normal) {

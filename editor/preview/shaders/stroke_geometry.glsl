@@ -31,8 +31,9 @@ void main() {
     ribbon.confidence = vertex[0].confidence;
     ribbon.facing = facing;
     end.xy += across * sign * end.w;
-    // Lifted towards the eye by a stroke's length, so that it does not sink into the curved surface.
-    vec4 lifted = scene.view_projection * vec4(middle + normalize(scene.eye.xyz - middle) * scene.size.z * 0.5, 1.0);
+    // Lifted towards the eye by half a stroke's length, so that it does not sink into the curved surface.
+    vec3 lift = normalize(scene.eye.xyz - middle) * scene.size.z * 0.5;
+    vec4 lifted = scene.view_projection * vec4(middle + lift, 1.0);
     end.z = min(end.z / end.w, lifted.z / lifted.w) * end.w;
     gl_Position = end;
     EmitVertex();

@@ -6,14 +6,14 @@ uniform sampler2DShadow shadow_map;
 layout(location = 0) out vec4 color;
 
 const float kPi = 3.14159265;
-const float kRoughness = 0.46;
+const float kRoughness = 0.5;
 const float kReflectance = 0.035;
 // How far light wraps round the form, and how much of the bump reaches the diffuse light, by channel: red
 // travels farthest in skin.
 const vec3 kWrap = vec3(0.17, 0.11, 0.09);
+const vec3 kBump = vec3(0.82, 0.94, 1.0);
 // What each light keeps of its reflection: the rim grazes the surface, where everything mirrors.
 const float kGloss[3] = float[3](0.9, 0.9, 0.35);
-const vec3 kBump = vec3(0.82, 0.94, 1.0);
 // The darkest a crease gets where there is no map to say.
 const float kVertexShade = 0.55;
 
@@ -30,7 +30,8 @@ float shadowAt(vec3 position, vec3 normal) {
   vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
   float lit = 0.0;
   for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * 1.7 * texel, at.z - 0.001));
+    for (int x = -1; x <= 1; ++x)
+      lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * 1.7 * texel, at.z - 0.001));
   return mix(1.0, lit / 9.0, smoothstep(0.0, 0.25, cosine));
 }
 
@@ -41,7 +42,8 @@ float specular(vec3 n, vec3 v, vec3 l, float roughness) {
   float a = roughness * roughness, a2 = a * a;
   float d = nh * nh * (a2 - 1.0) + 1.0;
   float distribution = a2 / (kPi * d * d);
-  float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2) + 1e-5);
+  float masking = nl * sqrt(nv * nv * (1.0 - a2) + a2), shadowing = nv * sqrt(nl * nl * (1.0 - a2) + a2);
+  float visibility = 0.5 / (masking + shadowing + 1e-5);
   float fresnel = kReflectance + (1.0 - kReflectance) * pow(1.0 - max(dot(v, h), 0.0), 5.0);
   return distribution * visibility * fresnel * nl;
 }
@@ -166,7 +168,8 @@ void main() {
       FurrowWrinkles full = furrowBegin(vec3(0.0, 0.0, 1.0));
       uvec4 unmasked = uvec4(material.slices[i].xy, FURROW_NO_SLICE, 0u);
       furrowAddLayer(full, sign(w), unmasked, vertex.uv);
-      vec3 bumped = shade(base, form, normalize(frame * furrowNormal(full)), v, full.shading, kRoughness, shadow);
+      vec3 n = normalize(frame * furrowNormal(full));
+      vec3 bumped = shade(base, form, n, v, full.shading, kRoughness, shadow);
       total += furrowBlend(plain, bumped, I) - plain;
     }
     color = vec4(toneMap(max(total, 0.0)), 1.0);
@@ -179,5 +182,6 @@ void main() {
   vec3 bump = furrowNormal(wrinkles);
   vec2 slope = furrowSlope(bump);
   float roughness = furrowRoughness(kRoughness, furrowSlopeVariance(dFdx(slope), dFdy(slope)));
-  color = vec4(toneMap(shade(base, form, normalize(frame * bump), v, wrinkles.shading, roughness, shadow)), 1.0);
+  vec3 n = normalize(frame * bump);
+  color = vec4(toneMap(shade(base, form, n, v, wrinkles.shading, roughness, shadow)), 1.0);
 }
