@@ -22,6 +22,8 @@ constexpr double kCell = 0.75;  // spacings; a plane at a random angle crosses 1
 constexpr double kJitter = 0.6;
 constexpr double kMaxPieces = 4e6;
 constexpr int kSweeps = 48;
+constexpr float kBroken = 0.55f, kWhole = 0.95f;  // coherence where a line has lost its depth, and where it begins to lose it
+constexpr uint32_t kTaperSteps = 5;
 
 uint64_t mix(uint64_t x) {  // the finaliser of SplitMix64
   x += 0x9e3779b97f4a7c15u;
@@ -387,24 +389,62 @@ std::vector<std::complex<float>> align(const Graph& graph, const std::vector<flo
   return phasors;
 }
 
-// Noise in [0, 1], about uniform, that changes from line to line and slowly along a line: white noise spread along the creases.
-std::vector<float> lineNoise(const Graph& graph, const Builder& builder, uint32_t count, uint64_t salt, uint32_t steps) {
-  std::vector<float> values(count), next(count);
-  for (uint32_t k = 0; k < count; ++k) {
-    values[k] = static_cast<float>(unitInterval(builder.randomOf(k, salt))) - 0.5f;
+// 1 where all neighbours agree with the kernel's phase.
+float coherence(const Graph& graph, const std::vector<std::complex<float>>& phasors, uint32_t k) {
+  float agreed = 0.0f, total = 0.0f;
+  for (const Neighbour& n : graph.of(k)) {
+    agreed += n.weight * std::real(std::conj(phasors[k]) * seen(n, phasors[n.kernel]));
+    total += n.weight;
   }
+  return total > 0.0f ? agreed / total : 1.0f;
+}
+
+double wrapped(double turns) { return turns - std::floor(turns + 0.5); }
+
+// The neighbours that have the same line for their nearest. The lines are where the phase is `line` turns.
+Graph linesOf(const Graph& graph, const std::vector<double>& phases, double line) {
+  const auto count = static_cast<uint32_t>(phases.size());
+  std::vector<double> offsets(count);  // of the line, in spacings along d
+  for (uint32_t k = 0; k < count; ++k) {
+    offsets[k] = wrapped(line - phases[k]);
+  }
+  Graph lines;
+  for (uint32_t k = 0; k < count; ++k) {
+    for (const Neighbour& n : graph.of(k)) {
+      const double seen_from_here = (offsets[n.kernel] - n.along) * (n.same_sign ? 1.0 : -1.0);
+      if (std::abs(seen_from_here - offsets[k]) < 0.5) {
+        lines.neighbours.push_back(n);
+      }
+    }
+    lines.offsets.push_back(static_cast<uint32_t>(lines.neighbours.size()));
+  }
+  return lines;
+}
+
+void spread(const Graph& lines, uint32_t steps, std::vector<float>& values) {
+  const auto count = static_cast<uint32_t>(values.size());
+  std::vector<float> next(count);
   for (uint32_t step = 0; step < steps; ++step) {
     for (uint32_t k = 0; k < count; ++k) {
       float sum = values[k], total = 1.0f;
-      for (const Neighbour& n : graph.of(k)) {
-        const float weight = n.weight * std::exp(-12.0f * n.along * n.along);
-        sum += weight * values[n.kernel];
-        total += weight;
+      for (const Neighbour& n : lines.of(k)) {
+        sum += n.weight * values[n.kernel];
+        total += n.weight;
       }
       next[k] = sum / total;
     }
     values.swap(next);
   }
+}
+
+// Noise in [0, 1], about uniform, of its own for every line and changing slowly along it.
+std::vector<float> lineNoise(const Graph& lines, const Builder& builder, uint64_t salt, uint32_t steps) {
+  const auto count = static_cast<uint32_t>(lines.offsets.size() - 1);
+  std::vector<float> values(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    values[k] = static_cast<float>(unitInterval(builder.randomOf(k, salt))) - 0.5f;
+  }
+  spread(lines, steps, values);
   double mean = 0.0, square = 0.0;
   for (const float v : values) {
     mean += v;
@@ -537,8 +577,18 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
   }
 
   const std::vector<std::complex<float>> phasors = align(graph, confidence);
-  const std::vector<float> depth = lineNoise(graph, builder, count, 0x64657074u, irregularity.ridge_steps);
-  const std::vector<float> minor = lineNoise(graph, builder, count, 0x6d696e6fu, irregularity.ridge_steps);
+  std::vector<double> phases(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    phases[k] = std::arg(std::complex<double>(phasors[k])) / (2.0 * std::numbers::pi);
+  }
+  const Graph lines = linesOf(graph, phases, irregularity.line), between = linesOf(graph, phases, irregularity.line + 0.5);
+  const std::vector<float> depth = lineNoise(lines, builder, 1, irregularity.line_steps);
+  const std::vector<float> minor = lineNoise(between, builder, 2, irregularity.line_steps);
+  std::vector<float> taper(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    taper[k] = smoothStep(kBroken, kWhole, coherence(graph, phasors, k));
+  }
+  spread(lines, kTaperSteps, taper);
   for (uint32_t k = 0; k < count; ++k) {
     Kernel& kernel = kernels_[k];
     const glm::dvec3 at = glm::dvec3(kernel.position) / (spacing * irregularity.sway_length);
@@ -547,12 +597,11 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
       const uint64_t salt = mix(seed) + static_cast<uint64_t>(i);
       sway[i] = noise(at, salt) + 0.25 * noise(at * 2.7, salt + 3);
     }
-    kernel.phase = static_cast<float>(std::arg(std::complex<double>(phasors[k])) / (2.0 * std::numbers::pi) +
-                                      irregularity.sway * glm::dot(sway, glm::dvec3(kernel.direction)));
+    kernel.phase = static_cast<float>(phases[k] + irregularity.sway * glm::dot(sway, glm::dvec3(kernel.direction)));
     const auto ending = static_cast<float>(irregularity.ending), shallowest = static_cast<float>(irregularity.shallowest);
-    kernel.depth = shallowest + (1.0f - shallowest) * smoothStep(ending, ending + 0.5f, depth[k]);
-    const auto without = static_cast<float>(1.0 - irregularity.minor_creases);
-    kernel.minor = smoothStep(without, without + 0.3f, minor[k]);
+    kernel.depth = taper[k] * (shallowest + (1.0f - shallowest) * smoothStep(ending, ending + 0.5f, depth[k]));
+    const auto without = static_cast<float>(1.0 - irregularity.minor);
+    kernel.minor = taper[k] * smoothStep(without, without + 0.3f, minor[k]);
   }
 }
 

@@ -20,18 +20,19 @@ struct Kernel {
   glm::vec3 normal{0.0f};     // unit
   glm::vec3 direction{0.0f};  // unit, tangent; negating it and the phase changes nothing
   float phase = 0.0f;         // turns
-  float depth = 1.0f;         // [0, 1]: of the valleys here
-  float minor = 0.0f;         // [0, 1]: of the small creases between the valleys
+  float depth = 1.0f;         // [0, 1]: of the line here
+  float minor = 0.0f;         // [0, 1]: of the minor line half way to the next
 };
 
 // How far the pattern departs from even lines; lengths are in spacings.
 struct Irregularity {
   double sway = 0.0;             // how far lines wander from their even place
   double sway_length = 1.0;      // over which length
-  uint32_t ridge_steps = 0;      // how long a line keeps its depth: with the root of it
+  double line = 0.0;             // phase of the lines, in turns: 0 the ridges, 0.5 the valleys
+  uint32_t line_steps = 0;       // how long a line keeps its depth: with the root of it
   double shallowest = 1.0;       // depth of the weakest lines, [0, 1]
-  double ending = 0.0;           // part of the lines that is at its shallowest, [0, 1)
-  double minor_creases = 0.0;    // part of the ridges that carries a minor crease, [0, 1]
+  double ending = 0.0;           // part of the lines' length that is at its shallowest, [0, 1)
+  double minor = 0.0;            // part of the length that has a minor line beside it, [0, 1]
 };
 
 class Kernels {
