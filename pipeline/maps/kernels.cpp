@@ -18,12 +18,13 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr double kCell = 0.75;  // spacings; a plane at a random angle crosses 1.5 cells per cell side squared
-constexpr double kJitter = 0.6;
+constexpr double kCell = 0.62;    // spacings
+constexpr double kJitter = 0.6;   // cells
+constexpr double kCapture = 0.55;  // cells; a plane has 2 kCapture kernels per cell side squared, whatever its angle
 constexpr double kMaxPieces = 4e6;
 constexpr int kSweeps = 48;
-constexpr float kBroken = 0.55f, kWhole = 0.95f;  // coherence where a line has lost its depth, and where it begins to lose it
-constexpr uint32_t kTaperSteps = 5;
+constexpr float kBroken = 0.65f, kWhole = 0.97f;  // coherence where a line has lost its depth, and where it begins to lose it
+constexpr uint32_t kTaperSteps = 6;
 
 uint64_t mix(uint64_t x) {  // the finaliser of SplitMix64
   x += 0x9e3779b97f4a7c15u;
@@ -165,7 +166,7 @@ class Builder {
   uint64_t randomOf(uint32_t kernel, uint64_t salt) const { return mix(random_of_[kernel] ^ salt); }
   float confidenceOf(uint32_t kernel) const { return confidence_of_[kernel]; }
 
-  // One kernel a cell of a space grid and sheet of the surface in it: the point nearest to the cell's jittered centre.
+  // One kernel a cell of a space grid and sheet of the surface near its jittered centre: the point nearest to that.
   std::vector<Kernel> place() {
     std::vector<Candidate> candidates;
     const glm::dquat tilt = glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));  // no surface in use lies along the grid
@@ -271,8 +272,9 @@ class Builder {
         stack.push_back({middle, b, c});
         continue;
       }
-      const CellIndex low = cellOf(glm::min(p[0], glm::min(p[1], p[2])));
-      const CellIndex high = cellOf(glm::max(p[0], glm::max(p[1], p[2])));
+      const double nearest = kCapture - 0.5 + 0.5 * kJitter, furthest = kCapture + 0.5 + 0.5 * kJitter;  // from a cell's low corner
+      const CellIndex low = cellOf(glm::min(p[0], glm::min(p[1], p[2])) - furthest);
+      const CellIndex high = cellOf(glm::max(p[0], glm::max(p[1], p[2])) + nearest);
       CellIndex cell{};
       for (cell[2] = low[2]; cell[2] <= high[2]; ++cell[2]) {
         for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {
@@ -284,8 +286,9 @@ class Builder {
               h = mix(h);
             }
             const glm::dvec3 point = closestPoint(centre, p);
-            if (cellOf(point) == cell) {
-              candidates.push_back({cell, glm::distance(point, centre), point, triangle});
+            const double distance = glm::distance(point, centre);
+            if (distance < kCapture) {
+              candidates.push_back({cell, distance, point, triangle});
             }
           }
         }
@@ -349,7 +352,8 @@ std::vector<std::complex<float>> align(const Graph& graph, const std::vector<flo
   std::vector<bool> known(count, false);
   std::vector<uint32_t> seeds(count);
   std::iota(seeds.begin(), seeds.end(), 0u);
-  std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) { return confidence[a] > confidence[b]; });
+  const auto rank = [&](uint32_t k) { return std::lround(64.0f * confidence[k]); };  // rounding must not choose
+  std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) { return rank(a) > rank(b); });
 
   std::priority_queue<std::pair<float, uint32_t>> front;
   for (const uint32_t seed : seeds) {

@@ -75,15 +75,16 @@ constexpr float kSkinLevel = 0.19f, kClothLevel = -0.25f;
 
 // Kernels side by side for the compiler's vector units; the sums are taken in one order whatever their width.
 constexpr size_t kLanes = 8;
-using Lanes = std::array<float, kLanes>;
 
 struct Batch {
   size_t used = 0;
-  Lanes step_x{}, step_y{}, step_z{}, direction_x{}, direction_y{}, direction_z{}, turns{}, q{}, facing{}, same{}, depth{}, minor{};
+  float step_x[kLanes]{}, step_y[kLanes]{}, step_z[kLanes]{};
+  float direction_x[kLanes]{}, direction_y[kLanes]{}, direction_z[kLanes]{};
+  float turns[kLanes]{}, q[kLanes]{}, facing[kLanes]{}, same[kLanes]{}, depth[kLanes]{}, minor[kLanes]{};
 };
 
 struct LaneSum {
-  Lanes value{}, x{}, y{}, z{};
+  float value[kLanes]{}, x[kLanes]{}, y[kLanes]{}, z[kLanes]{};
 
   Varying total() const {
     Varying sum;
