@@ -19,11 +19,19 @@ constexpr float kPi = 3.14159265f;
 constexpr float kSteepest = 1.2f;     // slope; the runtime's fast normalisation is good up to 1.22
 constexpr float kDarkest = 0.5f;      // W of the deepest valley
 constexpr float kMinorDepth = 0.22f;  // of a full minor crease, of the whole depth
-constexpr float kBroken = 0.35f, kWhole = 0.8f;  // coherence of the waves where lines end, and from which they are at full depth
+constexpr float kBroken = 0.35f,
+                kWhole =
+                    0.8f;  // coherence of the waves where lines end, and from which they are at full depth
 
 Irregularity irregularityOf(Preset preset) {
   if (preset == Preset::kSkin) {
-    return {.sway = 0.45, .sway_length = 5.0, .line = 0.5, .line_steps = 48, .shallowest = 0.06, .ending = 0.15, .minor = 0.45};
+    return {.sway = 0.45,
+            .sway_length = 5.0,
+            .line = 0.5,
+            .line_steps = 48,
+            .shallowest = 0.06,
+            .ending = 0.15,
+            .minor = 0.45};
   }
   return {.sway = 0.7, .sway_length = 6.0, .line = 0.0, .line_steps = 16, .shallowest = 0.05, .ending = 0.2};
 }
@@ -38,7 +46,9 @@ Varying operator*(const Varying& a, const Varying& b) {
   return {a.value * b.value, a.gradient * b.value + b.gradient * a.value};
 }
 
-Varying operator+(const Varying& a, const Varying& b) { return {a.value + b.value, a.gradient + b.gradient}; }
+Varying operator+(const Varying& a, const Varying& b) {
+  return {a.value + b.value, a.gradient + b.gradient};
+}
 
 Varying quotient(const Varying& a, const Varying& b) {
   const float ratio = a.value / b.value;
@@ -50,7 +60,8 @@ Varying smoothStep(float low, float high, const Varying& v) {
   return {t * t * (3.0f - 2.0f * t), v.gradient * (6.0f * t * (1.0f - t) / (high - low))};
 }
 
-// A line across one period of the phase: 1 in its middle, 0 in the other. Even, since the phase of a line field has no sign.
+// A line across one period of the phase: 1 in its middle, 0 in the other. Even, since the phase of a line
+// field has no sign.
 struct Profile {
   float value = 0.0f, slope = 0.0f;  // d value / d phase
 };
@@ -103,17 +114,22 @@ struct Sums {
 // `turns` is how the phase changes over a unit of length, `fall` the gradient of q over the step.
 void add(const Batch& b, float radians, float fall, Sums& sums) {
   for (size_t i = 0; i < kLanes; ++i) {
-    // sin and cos of half the phase by their series, |x| <= pi / 2, then doubled: plain arithmetic, the same bits everywhere.
-    const float t = b.turns[i] - static_cast<float>(static_cast<int32_t>(b.turns[i] + std::copysign(0.5f, b.turns[i])));
+    // sin and cos of half the phase by their series, |x| <= pi / 2, then doubled: plain arithmetic, the same
+    // bits everywhere.
+    const float t =
+        b.turns[i] - static_cast<float>(static_cast<int32_t>(b.turns[i] + std::copysign(0.5f, b.turns[i])));
     const float x = kPi * t, x2 = x * x;
     const float sin_half =
-        x * (1.0f +
-             x2 * (-1.66666667e-1f + x2 * (8.33333333e-3f + x2 * (-1.98412698e-4f + x2 * (2.75573192e-6f - x2 * 2.50521084e-8f)))));
+        x * (1.0f + x2 * (-1.66666667e-1f +
+                          x2 * (8.33333333e-3f +
+                                x2 * (-1.98412698e-4f + x2 * (2.75573192e-6f - x2 * 2.50521084e-8f)))));
     const float cos_half =
-        1.0f + x2 * (-0.5f + x2 * (4.16666667e-2f + x2 * (-1.38888889e-3f + x2 * (2.48015873e-5f - x2 * 2.75573192e-7f))));
+        1.0f + x2 * (-0.5f + x2 * (4.16666667e-2f +
+                                   x2 * (-1.38888889e-3f + x2 * (2.48015873e-5f - x2 * 2.75573192e-7f))));
     const float sin = 2.0f * sin_half * cos_half, cos = 1.0f - 2.0f * sin_half * sin_half;
 
-    const float q2 = b.q[i] * b.q[i], weight = b.same[i] * q2 * b.q[i], weight_fall = 3.0f * fall * b.same[i] * q2;
+    const float q2 = b.q[i] * b.q[i], weight = b.same[i] * q2 * b.q[i],
+                weight_fall = 3.0f * fall * b.same[i] * q2;
     const float turning = radians * weight;
     const auto gradient = [&](LaneSum& sum, float along_step, float along_direction) {
       sum.x[i] += along_step * b.step_x[i] + along_direction * b.direction_x[i];
@@ -127,7 +143,8 @@ void add(const Batch& b, float radians, float fall, Sums& sums) {
     sums.total.value[i] += weight;
     gradient(sums.total, weight_fall, 0.0f);
     // Depths change from line to line, which takes a narrower window.
-    const float q4 = q2 * q2, narrow = b.facing[i] * q4 * q2, narrow_fall = 6.0f * fall * b.facing[i] * q4 * b.q[i];
+    const float q4 = q2 * q2, narrow = b.facing[i] * q4 * q2,
+                narrow_fall = 6.0f * fall * b.facing[i] * q4 * b.q[i];
     sums.nearby.value[i] += narrow;
     gradient(sums.nearby, narrow_fall, 0.0f);
     sums.depth.value[i] += narrow * b.depth[i];
@@ -195,7 +212,8 @@ struct Synthesis::Pattern {
     }
     flush();
 
-    const Varying real = sums.real.total(), imaginary = sums.imaginary.total(), total = sums.total.total(), nearby = sums.nearby.total();
+    const Varying real = sums.real.total(), imaginary = sums.imaginary.total(), total = sums.total.total(),
+                  nearby = sums.nearby.total();
     const bool skin = settings.preset == Preset::kSkin;
     const Varying level = {skin ? kSkinLevel : kClothLevel, glm::vec3(0.0f)};
     const float size2 = real.value * real.value + imaginary.value * imaginary.value;
@@ -204,17 +222,21 @@ struct Synthesis::Pattern {
     }
     const float size = std::sqrt(size2);
     const float cos = real.value / size, sin = imaginary.value / size;
-    const glm::vec3 phase_gradient = (imaginary.gradient * real.value - real.gradient * imaginary.value) / size2;
+    const glm::vec3 phase_gradient =
+        (imaginary.gradient * real.value - real.gradient * imaginary.value) / size2;
     const auto shape = [&](const Profile& p) { return Varying{p.value, phase_gradient * p.slope}; };
-    const Varying coherent = {size, (real.gradient * real.value + imaginary.gradient * imaginary.value) / size};
+    const Varying coherent = {size,
+                              (real.gradient * real.value + imaginary.gradient * imaginary.value) / size};
     const Varying whole = smoothStep(kBroken, kWhole, quotient(coherent, total));
     const Varying depth = whole * quotient(sums.depth.total(), nearby);
     if (!skin) {
       const Varying folds = shape(fold(cos, sin)) * depth;
       const float valley_floor = (1.0f - folds.value) * depth.value;
-      return {(level + folds) * place.strength, kDarkest * place.strength.value * valley_floor * valley_floor};
+      return {(level + folds) * place.strength,
+              kDarkest * place.strength.value * valley_floor * valley_floor};
     }
-    Varying creases = shape(valley(cos, sin)) * depth + shape(minorCrease(cos, sin)) * whole * quotient(sums.minor.total(), nearby);
+    Varying creases = shape(valley(cos, sin)) * depth +
+                      shape(minorCrease(cos, sin)) * whole * quotient(sums.minor.total(), nearby);
     const float shading = kDarkest * place.strength.value * std::min(creases.value, 1.0f);
     creases = {-creases.value, -creases.gradient};
     return {(level + creases) * place.strength, shading};
@@ -229,7 +251,8 @@ Synthesis::Synthesis(const Surface& surface, const LayerField& field, const Synt
   const size_t points = surface.point_positions.size();
   if (!(settings.spacing > 0.0) || !(settings.depth > 0.0) || field.direction.size() != points ||
       field.confidence.size() != points || field.strength.size() != points) {
-    throw std::invalid_argument("Synthesis: spacing and depth must be positive, and the field must have an entry a point");
+    throw std::invalid_argument(
+        "Synthesis: spacing and depth must be positive, and the field must have an entry a point");
   }
   pattern_ = std::make_unique<Pattern>(surface, field, settings);
 }
@@ -257,7 +280,9 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
     }
     const glm::vec3 w(1.0f - b.x - b.y, b.x, b.y);
     const glm::uvec3 v = surface_.triangles[t], p = surface_.trianglePoints(t);
-    const auto at = [&](const auto& values, const glm::uvec3& i) { return values[i.x] * w.x + values[i.y] * w.y + values[i.z] * w.z; };
+    const auto at = [&](const auto& values, const glm::uvec3& i) {
+      return values[i.x] * w.x + values[i.y] * w.y + values[i.z] * w.z;
+    };
 
     Place place;
     place.strength.value = at(field_.strength, p);
@@ -272,15 +297,18 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
                               glm::dot(cross, cross);
     place.position = corner[0] + e1 * b.x + e2 * b.y;
     place.normal = at(surface_.point_normals, p);
-    place.normal = glm::dot(place.normal, place.normal) > 0.0f ? glm::normalize(place.normal) : surface_.point_normals[p.x];
-    place.direction = meanLine(field_.direction[p.x], field_.direction[p.y], field_.direction[p.z], w, place.normal);
+    place.normal = glm::dot(place.normal, place.normal) > 0.0f ? glm::normalize(place.normal)
+                                                               : surface_.point_normals[p.x];
+    place.direction =
+        meanLine(field_.direction[p.x], field_.direction[p.y], field_.direction[p.z], w, place.normal);
 
     const auto [height, shading] = pattern_->relief(place, near);
     maps.height.pixels[texel] = height.value;
     maps.shading.pixels[texel] = shading;
 
     const glm::vec3 normal_sum = at(surface_.normals, v);
-    const glm::vec3 normal = glm::dot(normal_sum, normal_sum) > 0.0f ? glm::normalize(normal_sum) : surface_.normals[v.x];
+    const glm::vec3 normal =
+        glm::dot(normal_sum, normal_sum) > 0.0f ? glm::normalize(normal_sum) : surface_.normals[v.x];
     glm::vec3 tangent = glm::vec3(at(surface_.tangents, v));
     tangent -= normal * glm::dot(normal, tangent);
     if (!(glm::dot(tangent, tangent) > 0.0f)) {
@@ -288,7 +316,8 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
     }
     tangent = glm::normalize(tangent);
     const glm::vec3 bitangent = glm::cross(normal, tangent) * surface_.tangents[v.x].w;
-    glm::vec2 slope = depth * glm::vec2(glm::dot(height.gradient, tangent), glm::dot(height.gradient, bitangent));
+    glm::vec2 slope =
+        depth * glm::vec2(glm::dot(height.gradient, tangent), glm::dot(height.gradient, bitangent));
     const float steepness = glm::length(slope);
     if (!std::isfinite(steepness)) {
       return;

@@ -1,4 +1,5 @@
-// Synthesis of one layer's maps for a head-like surface of 50,000 triangles: spacing 1/60 of the height, 2048 x 2048 texels.
+// Synthesis of one layer's maps for a head-like surface of 50,000 triangles: spacing 1/60 of the height, 2048
+// x 2048 texels.
 
 #include <benchmark/benchmark.h>
 
@@ -24,7 +25,8 @@ struct Head {
       for (uint32_t column = 0; column <= kColumns; ++column) {
         const double u = column / static_cast<double>(kColumns), v = row / static_cast<double>(kRows);
         const double around = 2.0 * std::numbers::pi * u, down = 0.05 + (std::numbers::pi - 0.1) * v;
-        const glm::dvec3 unit(std::sin(down) * std::sin(around), std::cos(down), std::sin(down) * std::cos(around));
+        const glm::dvec3 unit(std::sin(down) * std::sin(around), std::cos(down),
+                              std::sin(down) * std::cos(around));
         surface.positions.emplace_back(glm::dvec3(0.08, 0.12, 0.1) * unit);
         surface.normals.emplace_back(glm::normalize(unit / glm::dvec3(0.08, 0.12, 0.1)));
         surface.uvs.emplace_back(u, v);

@@ -18,8 +18,10 @@ namespace {
 
 using Map = std::function<glm::vec3(double u, double v)>;
 
-// A grid over [0, 1]^2 of UV; `wraps`: its last column has the points of its first. `shift` moves the UVs' origin along u by as many columns.
-Surface grid(uint32_t columns, uint32_t rows, const Map& position, const Map& normal, bool wraps = false, uint32_t shift = 0) {
+// A grid over [0, 1]^2 of UV; `wraps`: its last column has the points of its first. `shift` moves the UVs'
+// origin along u by as many columns.
+Surface grid(uint32_t columns, uint32_t rows, const Map& position, const Map& normal, bool wraps = false,
+             uint32_t shift = 0) {
   Surface surface;
   const uint32_t point_columns = wraps ? columns : columns + 1;
   for (uint32_t row = 0; row <= rows; ++row) {
@@ -57,7 +59,8 @@ Surface grid(uint32_t columns, uint32_t rows, const Map& position, const Map& no
 // The unit square in z = 0, seen from +z; u along +x, v along -y.
 Surface sheet(uint32_t cells = 16) {
   return grid(
-      cells, cells, [](double u, double v) { return glm::vec3(u, 1.0 - v, 0.0); }, [](double, double) { return glm::vec3(0, 0, 1); });
+      cells, cells, [](double u, double v) { return glm::vec3(u, 1.0 - v, 0.0); },
+      [](double, double) { return glm::vec3(0, 0, 1); });
 }
 
 LayerField along(const Surface& surface, const glm::vec3& axis) {
@@ -72,12 +75,14 @@ LayerField along(const Surface& surface, const glm::vec3& axis) {
 
 const std::vector<uint32_t> kPart = {0};
 
-SynthesizedMaps draw(const Surface& surface, const LayerField& field, const SynthesisSettings& settings, uint32_t size,
-                     uint32_t threads = 2) {
+SynthesizedMaps draw(const Surface& surface, const LayerField& field, const SynthesisSettings& settings,
+                     uint32_t size, uint32_t threads = 2) {
   return Synthesis(surface, field, settings).draw(kPart, size, threads);
 }
 
-SynthesisSettings skin(double spacing) { return {Preset::kSkin, spacing, spacing / 8.0, 1}; }
+SynthesisSettings skin(double spacing) {
+  return {Preset::kSkin, spacing, spacing / 8.0, 1};
+}
 
 // The period, in texels, at which the spectrum over the rows (or columns) peaks.
 double period(const Image& height, bool along_x) {
@@ -209,7 +214,8 @@ Surface cylinder(uint32_t shift) {
 LayerField around(const Surface& surface) {
   LayerField field = along(surface, {0, 1, 0});
   for (size_t p = 0; p < field.direction.size(); ++p) {
-    field.direction[p] = glm::normalize(glm::cross(surface.point_normals[p], field.direction[p]) + 0.4f * field.direction[p]);
+    field.direction[p] =
+        glm::normalize(glm::cross(surface.point_normals[p], field.direction[p]) + 0.4f * field.direction[p]);
   }
   return field;
 }
@@ -232,7 +238,8 @@ TEST(Synthesis, ACylinderHasNoSeam) {
 TEST(Synthesis, TheCutOfACylinderDoesNotShow) {
   const Surface a = cylinder(0), b = cylinder(24);
   const uint32_t size = 256;
-  const SynthesizedMaps of_a = draw(a, around(a), skin(0.37), size), of_b = draw(b, around(b), skin(0.37), size);
+  const SynthesizedMaps of_a = draw(a, around(a), skin(0.37), size),
+                        of_b = draw(b, around(b), skin(0.37), size);
   for (uint32_t y = 0; y < size; ++y) {
     for (uint32_t x = 0; x < size; ++x) {
       const uint32_t moved = (x + 24 * size / 64) % size;
@@ -248,8 +255,9 @@ TEST(Synthesis, TheSameAtAnySize) {
   const SynthesizedMaps small = synthesis.draw(kPart, 512, 2), large = synthesis.draw(kPart, 1024, 2);
   for (uint32_t y = 0; y < 512; ++y) {
     for (uint32_t x = 0; x < 512; ++x) {
-      const float mean = 0.25f * (large.height.at(2 * x, 2 * y)[0] + large.height.at(2 * x + 1, 2 * y)[0] +
-                                  large.height.at(2 * x, 2 * y + 1)[0] + large.height.at(2 * x + 1, 2 * y + 1)[0]);
+      const float mean =
+          0.25f * (large.height.at(2 * x, 2 * y)[0] + large.height.at(2 * x + 1, 2 * y)[0] +
+                   large.height.at(2 * x, 2 * y + 1)[0] + large.height.at(2 * x + 1, 2 * y + 1)[0]);
       ASSERT_NEAR(small.height.at(x, y)[0], mean, 0.01f);
     }
   }
@@ -269,7 +277,8 @@ TEST(Synthesis, TheSameWithAnyTriangles) {
 TEST(Synthesis, TheSameOnAnyNumberOfThreads) {
   const Surface surface = sheet();
   const auto field = along(surface, {0.2f, 1, 0});
-  const SynthesizedMaps one = draw(surface, field, skin(0.06), 256, 1), three = draw(surface, field, skin(0.06), 256, 3);
+  const SynthesizedMaps one = draw(surface, field, skin(0.06), 256, 1),
+                        three = draw(surface, field, skin(0.06), 256, 3);
   EXPECT_EQ(one.normal.pixels, three.normal.pixels);
   EXPECT_EQ(one.height.pixels, three.height.pixels);
   EXPECT_EQ(one.shading.pixels, three.shading.pixels);
@@ -321,8 +330,10 @@ TEST(Synthesis, FlatWhereTheLayerHasNoStrength) {
 
   std::fill(field.strength.begin(), field.strength.end(), 0.0f);
   const SynthesizedMaps none = draw(surface, field, skin(0.06), 64);
-  EXPECT_TRUE(std::all_of(none.normal.pixels.begin(), none.normal.pixels.end(), [](float v) { return v == 0.0f; }));
-  EXPECT_TRUE(std::all_of(none.height.pixels.begin(), none.height.pixels.end(), [](float v) { return v == 0.0f; }));
+  EXPECT_TRUE(
+      std::all_of(none.normal.pixels.begin(), none.normal.pixels.end(), [](float v) { return v == 0.0f; }));
+  EXPECT_TRUE(
+      std::all_of(none.height.pixels.begin(), none.height.pixels.end(), [](float v) { return v == 0.0f; }));
 }
 
 TEST(Synthesis, SlopesStayWithinTheirLimit) {
@@ -371,7 +382,8 @@ TEST(Synthesis, RefusesWhatItCannotDo) {
 TEST(Kernels, SheetsThatAreNotJoinedDoNotTalk) {
   Surface surface = sheet();
   const Surface above = sheet();
-  const auto vertices = static_cast<uint32_t>(surface.positions.size()), points = static_cast<uint32_t>(surface.point_positions.size());
+  const auto vertices = static_cast<uint32_t>(surface.positions.size()),
+             points = static_cast<uint32_t>(surface.point_positions.size());
   for (size_t p = 0; p < points; ++p) {
     surface.point_positions.push_back(above.point_positions[p] + glm::vec3(0, 0, 0.01f));
     surface.point_normals.push_back(above.point_normals[p]);
@@ -405,8 +417,8 @@ TEST(Kernels, AreSpreadEvenly) {
   for (uint32_t t = 0; t < surface.triangles.size(); ++t) {
     for (const glm::vec2 b : {glm::vec2(0.1f, 0.1f), glm::vec2(0.4f, 0.5f), glm::vec2(0.02f, 0.9f)}) {
       const glm::uvec3 p = surface.trianglePoints(t);
-      const glm::vec3 x = surface.point_positions[p.x] * (1 - b.x - b.y) + surface.point_positions[p.y] * b.x +
-                          surface.point_positions[p.z] * b.y;
+      const glm::vec3 x = surface.point_positions[p.x] * (1 - b.x - b.y) +
+                          surface.point_positions[p.y] * b.x + surface.point_positions[p.z] * b.y;
       const auto near = kernels.near(t, b);
       size_t within = 0;
       for (uint32_t k = 0; k < kernels.size(); ++k) {
