@@ -29,7 +29,7 @@ using Rest = std::variant<RestBind, RestClip, RestMorphs>;
 // Source of d, which lies ACROSS the creases.
 struct DirectionAnimation {};
 struct DirectionAxis {
-  std::array<double, 3> axis{};  // root space
+  std::array<double, 3> axis{};  // root space, unit
 };
 struct DirectionAttribute {
   std::string name;  // a 3-component vertex attribute, in the mesh's space
@@ -86,6 +86,7 @@ struct LayerRecipe {
   Map compress = MapSynthesized{};
   std::optional<std::filesystem::path> compress_shading;  // authored alpha-shading map; else derived from the height
   Map stretch = MapNone{};
+  std::optional<std::filesystem::path> stretch_shading;
   std::vector<DriverRecipe> drivers;
 };
 
@@ -100,9 +101,9 @@ struct Recipe {
 // One layer named "wrinkles" over everything, directions from the animation, synthesised map.
 Recipe defaultRecipe();
 
-// Reads and checks a recipe; paths in it are relative to it and come out absolute. Throws Error (kBadData): not JSON (with line and column),
-// an unknown key (names where it stands and the nearest known one), a wrong type or range, 0 or more than kMaxLayers layers, two layers of
-// one name, a named image that does not exist.
+// Reads and checks a recipe; paths in it are relative to it and come out absolute. Throws Error, kEnvironment if the file cannot be opened,
+// else kBadData: not JSON (with line and column), a key that stands twice, an unknown key (names where it stands and the nearest known one), a
+// wrong type or range, 0 or more than kMaxLayers layers, two layers of one name, a named image that does not exist.
 Recipe readRecipe(const std::filesystem::path& file);
 
 }  // namespace furrow::pipeline

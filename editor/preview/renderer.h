@@ -1,29 +1,27 @@
 #pragma once
 
-// The preview renderer: one asset, one pose, one picture. Needs a current OpenGL core context (headless_context.h or a window).
+// The preview renderer: one asset, one pose, one picture. Needs a current OpenGL 3.3 core context
+// (headless_context.h or a window), 4.3 for the gpu tier; the destructor needs it too.
 
 #include <memory>
-#include <string>
 
+#include "editor/preview/camera.h"
 #include "furrow/frame_plan.h"
 #include "pipeline/maps/image.h"
 
 namespace furrow::preview {
 
-enum class Tier { kGpu, kCpu };
-enum class Shading { kInterpolated, kBlend, kAlpha, kNone };  // Larsson's three methods, and no wrinkles
-enum class View { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence };
-
-// Orbit around `target`; angles in degrees, yaw 0 looks along -Z at the front of the subject.
-struct Camera {
-  Float3 target{0, 0, 0};
-  float distance = 1.0f;
-  float yaw = 0.0f, pitch = 0.0f;
-  float field_of_view = 30.0f;  // vertical, degrees
-};
+enum class Tier : uint8_t { kGpu, kCpu };
+enum class Shading : uint8_t {
+  kInterpolated,
+  kBlend,
+  kAlpha,
+  kNone
+};  // Larsson's three methods, and no wrinkles
+enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence };
 
 struct RenderOptions {
-  uint32_t width = 1024, height = 1024;
+  uint32_t width = 1024, height = 1024;  // 1 to 4096
   Tier tier = Tier::kGpu;
   Shading shading = Shading::kInterpolated;
   View view = View::kBeauty;
@@ -31,16 +29,21 @@ struct RenderOptions {
   Camera camera;
 };
 
-// Fits the posed asset into the picture.
-Camera fitCamera(const AssetView& asset, std::span<const Float3> posed_positions, float aspect, float yaw, float pitch);
-
+// Where the maps of a texture set cannot be had (a mesh without UVs), creases are drawn by alpha shading of
+// the vertices.
 class Renderer {
  public:
   explicit Renderer(const AssetView& asset);  // `asset` must outlive the renderer
   ~Renderer();
 
-  // Poses, weighs and draws; the picture has 4 channels, sRGB-encoded, row 0 on top.
+  // Poses, weighs and draws; the picture has 4 channels, sRGB-encoded, row 0 on top. Throws pipeline::Error:
+  // kBadUsage for an option or an input that does not fit the asset, kEnvironment where the tier or the
+  // memory for the picture cannot be had.
   pipeline::Image render(const FrameInput& input, const RenderOptions& options);
+
+  // The same without reading back: an OpenGL texture of sRGB-encoded bytes, bottom row first, good until the
+  // next call. Leaves the default framebuffer bound, and the viewport and other drawing state changed.
+  uint32_t draw(const FrameInput& input, const RenderOptions& options);
 
  private:
   struct State;

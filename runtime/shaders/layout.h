@@ -41,7 +41,7 @@ struct FrameConstants {
   uint points;
   uint layers;
   uint influences;
-  uint morphs;       // 0: no morph arrays are bound
+  uint morphs;
   uint with_normals;
   uint with_bias;
   float inverse_scale2;  // 1 / (instance scale)^2

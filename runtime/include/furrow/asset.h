@@ -46,7 +46,7 @@ struct Part {
   uint32_t vertex_begin, vertex_end;
   uint32_t triangle_begin, triangle_end;
   uint32_t source_vertex_begin;  // where this part's vertices begin in source order
-  uint32_t texture_set;          // index into texture_sets, or kNone
+  uint32_t texture_set;          // index into texture_sets, or kAbsent
   Float4 base_color;             // linear; for previews
   Affine rest;                   // part space -> the scene root's space at rest
   bool has_normals, has_uvs;     // of the source; normals are computed where it had none, UVs are zero
@@ -103,7 +103,7 @@ struct Texture {
 };
 
 // The maps of the parts that share one UV space (one material). Per layer, a slice of `normals` and of `shading` for the compress pose and
-// for the stretch pose, kNone where it has no map there.
+// for the stretch pose, kAbsent where it has no map there.
 struct TextureSet {
   std::string_view name;
   Texture normals;  // BC5: n.xy * 0.5 + 0.5 of the wrinkle normal in tangent space, z = sqrt(1 - x^2 - y^2); slices 0: no maps

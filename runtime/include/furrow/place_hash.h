@@ -1,8 +1,9 @@
 #pragma once
 
-// The perfect spatial hash: from a rest position of the SOURCE mesh to its place, in O(1), so that an engine whose importer reordered, split
-// or merged the vertices binds its own buffers to the asset's points.
+// The perfect spatial hash: from a rest position of the SOURCE mesh to its place, in O(1), so that an engine
+// whose importer reordered, split or merged the vertices binds its own buffers to the asset's points.
 
+#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -11,21 +12,31 @@
 
 namespace furrow {
 
-// Reads the hash section of an asset (AssetView::place_hash). Owns nothing; any number of threads.
+// Reads the hash section of an asset (AssetView::place_hash): a minimal perfect hash that maps the n places
+// to [0, n) one to one, in under 4 bits a place, beside a 32-bit check value of each place. Owns nothing and
+// allocates nothing; any number of threads may read one.
 //
-// Section layout, little endian: documented in docs/format.md.
+// Section layout, little endian: docs/format_place_hash.md.
 class PlaceHash {
  public:
-  // Checks every count of the section. kBadData if it is not sound.
+  // Checks every count and index of the section. kBadData if it is not sound; the hash is then empty.
+  // `section` needs no alignment and must outlive the hash.
   Status open(std::span<const std::byte> section);
 
-  uint32_t placeCount() const;
+  uint32_t placeCount() const { return place_count_; }
 
-  // The place at exactly this position (-0 equals 0), or nothing if no vertex of the source lay there, but for a chance of 2^-32 a query.
+  // The place, < placeCount(), at exactly this position (-0 equals 0), or nothing if no vertex of the source
+  // lay there, but for a chance of 2^-32 a query.
   std::optional<uint32_t> find(Float3 position) const;
 
  private:
-  std::span<const std::byte> section_;
+  const std::byte* pilots_ = nullptr;
+  const std::byte* spill_ = nullptr;
+  const std::byte* checks_ = nullptr;
+  uint32_t place_count_ = 0;
+  uint32_t bucket_count_ = 0;
+  uint32_t slot_count_ = 0;
+  uint32_t seed_ = 0;
 };
 
 }  // namespace furrow

@@ -2,8 +2,8 @@
 
 // Plain numbers that cross the runtime's interface.
 //
-// Conventions, here and everywhere in furrow: right-handed space as in glTF, +Y up; column vectors, p' = M p; lengths in the unit of the
-// source file; UV origin at the top left of the image, v downwards, as in glTF.
+// Conventions, here and everywhere in furrow: right-handed space as in glTF, +Y up; column vectors, p' = M p;
+// lengths in the unit of the source file; UV origin at the top left of the image, v downwards, as in glTF.
 
 #include <cstdint>
 
@@ -26,6 +26,6 @@ struct Affine {
 
 static_assert(sizeof(Float2) == 8 && sizeof(Float3) == 12 && sizeof(Float4) == 16 && sizeof(Affine) == 48);
 
-inline constexpr uint32_t kNone = 0xffffffffu;  // "no index"
+inline constexpr uint32_t kAbsent = 0xffffffffu;  // "no index"
 
 }  // namespace furrow

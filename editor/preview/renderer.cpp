@@ -1,0 +1,549 @@
+#include "editor/preview/renderer.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "editor/preview/gl_objects.h"
+#include "editor/preview/shaders/scene.h"
+#include "editor/preview/view_values.h"
+#include "furrow/gl/executor.h"
+#include "furrow/jobs.h"
+#include "pipeline/error.h"
+#include "preview_shaders.h"
+
+namespace furrow::preview {
+
+namespace {
+
+using pipeline::Error;
+using pipeline::Exit;
+
+// Attribute slots of surface_vertex.glsl.
+constexpr GLuint kPosition = 0, kNormal = 1, kTangent = 2, kUv = 3, kWeights = 4, kMasks = 8, kValue = 12;
+constexpr GLuint kVectors = kMaxLayers / 4;  // weights and masks go in fours
+
+// Texture units.
+constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3;
+
+constexpr GLsizei kShadowSize = 1024;
+constexpr float kAnisotropy = 4.0f;
+constexpr float kStrokeLength = 0.9f;    // of their spacing
+constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
+
+static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
+static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
+              gpu::kViewConfidence == static_cast<uint32_t>(View::kConfidence));
+
+template <typename T>
+GlObject makeBuffer(GLenum target, std::span<const T> values, GLenum usage) {
+  GlObject buffer(GlKind::kBuffer);
+  glBindBuffer(target, buffer);
+  glBufferData(target, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), usage);
+  return buffer;
+}
+
+template <typename T>
+void refill(uint32_t buffer, GLenum target, std::span<const T> values) {
+  glBindBuffer(target, buffer);
+  glBufferData(target, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), GL_STREAM_DRAW);
+}
+
+// Anisotropic filtering more than doubles the time of a picture there.
+bool isSoftware() {
+  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return renderer && (std::strstr(renderer, "llvmpipe") || std::strstr(renderer, "softpipe"));
+}
+
+// Null if the texture has no slices: sampling it is then excluded by the material.
+GlObject makeTexture(const Texture& texture) {
+  if (texture.slices == 0) return {};
+  const GLenum format = texture.format == TextureFormat::kBc5   ? GL_COMPRESSED_RG_RGTC2
+                        : texture.format == TextureFormat::kBc4 ? GL_COMPRESSED_RED_RGTC1
+                                                                : GL_RGBA8;
+  GlObject object(GlKind::kTexture);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, object);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  size_t offset = 0;
+  for (uint32_t level = 0; level < texture.levels; ++level) {
+    const size_t bytes =
+        textureLevelBytes(texture.format, texture.width, texture.height, level) * texture.slices;
+    const auto width = static_cast<GLsizei>(std::max(texture.width >> level, 1u));
+    const auto height = static_cast<GLsizei>(std::max(texture.height >> level, 1u));
+    const auto slices = static_cast<GLsizei>(texture.slices);
+    const std::byte* data = texture.data.subspan(offset, bytes).data();
+    if (texture.format == TextureFormat::kRgba8)
+      glTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), GL_RGBA8, width, height, slices, 0,
+                   GL_RGBA, GL_UNSIGNED_BYTE, data);
+    else
+      glCompressedTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), format, width, height, slices, 0,
+                             static_cast<GLsizei>(bytes), data);
+    offset += bytes;
+  }
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(texture.levels) - 1);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_REPEAT);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_REPEAT);
+  if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") && !isSoftware())
+    glTexParameterf(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
+  return object;
+}
+
+struct TextureSetObjects {
+  GlObject normals, shading, masks;
+};
+
+// Where the vertex shader reads a posed surface.
+struct PosedBuffers {
+  uint32_t positions, normals, tangents, weights;
+};
+
+class CpuFrame {
+ public:
+  explicit CpuFrame(const AssetView& asset)
+      : asset_(asset),
+        positions_(asset.vertexCount()),
+        normals_(asset.vertexCount()),
+        tangents_(asset.vertexCount()),
+        weights_(size_t{asset.vertexCount()} * asset.weightStride()),
+        triangle_q_(asset.triangleCount()),
+        point_q_(asset.pointCount()) {
+    for (GlObject& buffer : buffers_) buffer = GlObject(GlKind::kBuffer);
+  }
+
+  PosedBuffers run(const FrameInput& input) {
+    runJob(DeformJob{&asset_, input.palette, input.morph_weights, positions_, normals_, tangents_},
+           asset_.vertexCount());
+    for (uint32_t layer = 0; layer < asset_.layerCount(); ++layer) {
+      const Response& response =
+          input.responses.empty() ? asset_.layers[layer].response : input.responses[layer];
+      const float region = input.region_weights.empty() ? 0.0f : input.region_weights[layer];
+      runJob(CompressJob{&asset_, layer, positions_, input.scale, triangle_q_}, asset_.triangleCount());
+      runJob(SmoothJob{&asset_, triangle_q_, point_q_}, asset_.pointCount());
+      runJob(RespondJob{&asset_, layer, response, region, point_q_, weights_}, asset_.vertexCount());
+    }
+    refill(buffers_[0], GL_ARRAY_BUFFER, std::span<const Float3>(positions_));
+    refill(buffers_[1], GL_ARRAY_BUFFER, std::span<const Float3>(normals_));
+    refill(buffers_[2], GL_ARRAY_BUFFER, std::span<const Float4>(tangents_));
+    refill(buffers_[3], GL_ARRAY_BUFFER, std::span<const int16_t>(weights_));
+    return {buffers_[0], buffers_[1], buffers_[2], buffers_[3]};
+  }
+
+ private:
+  template <typename Job>
+  static void runJob(const Job& job, uint32_t items) {
+    if (const Status status = job.validate(); !status.ok())
+      throw Error(Exit::kBadUsage, "frame", status.message, "pass an input made for this asset");
+    job.run(0, items);
+  }
+
+  const AssetView& asset_;
+  std::vector<Float3> positions_, normals_;
+  std::vector<Float4> tangents_;
+  std::vector<int16_t> weights_;
+  std::vector<float> triangle_q_, point_q_;
+  std::array<GlObject, 4> buffers_;
+};
+
+class GpuFrame {
+ public:
+  explicit GpuFrame(const AssetView& asset) : asset_(asset), plan_(asset, options_) {
+    if (const Status status = executor_.create(plan_); !status.ok())
+      throw Error(status.code == StatusCode::kOutOfMemory || status.code == StatusCode::kUnavailable
+                      ? Exit::kEnvironment
+                      : Exit::kBadData,
+                  "gpu tier", status.message, "use the cpu tier");
+  }
+
+  PosedBuffers run(const FrameInput& input) {
+    executor_.upload(Buffer::kPalette, std::as_bytes(input.palette));
+    std::vector<std::byte> bytes(plan_.buffer(Buffer::kMorphWeights).bytes);
+    if (!bytes.empty()) {
+      writeMorphWeights(asset_, input, bytes);
+      executor_.upload(Buffer::kMorphWeights, bytes);
+    }
+    bytes.resize(plan_.buffer(Buffer::kFrame).bytes);
+    writeFrameConstants(asset_, options_, input, bytes);
+    executor_.upload(Buffer::kFrame, bytes);
+    executor_.run();
+    return {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
+            executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
+  }
+
+ private:
+  const AssetView& asset_;
+  PlanOptions options_;
+  FramePlan plan_;
+  gl::Executor executor_;
+};
+
+// White says that nobody gave the surface a colour: it becomes clay.
+glm::vec4 shownColor(Float4 base) {
+  constexpr float kWhite = 0.98f;
+  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite) return {0.40f, 0.255f, 0.19f, 1.0f};
+  return {base.x, base.y, base.z, 1.0f};
+}
+
+}  // namespace
+
+struct Renderer::State {
+  explicit State(const AssetView& asset);
+
+  void check(const FrameInput& input, const RenderOptions& options) const;
+  PosedBuffers pose(const FrameInput& input, Tier tier);
+  void bindSurface(const PosedBuffers& posed) const;
+  void bindValues(const RenderOptions& options);
+  void fillScene(const RenderOptions& options);
+  uint32_t surfaceProgram(const RenderOptions& options, bool maps);
+  void drawShadow(const RenderOptions& options);
+  void drawParts(const RenderOptions& options);
+  void drawStrokes(const RenderOptions& options);
+
+  const AssetView& asset;
+  std::map<std::tuple<View, Shading, bool>, GlObject> surface;  // programs by surfaceProgram()'s constants
+  GlObject shadow, background, stroke;
+  GlObject vertex_array, uvs, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
+  GlObject shadow_map, shadow_frame, empty_map;
+  std::vector<TextureSetObjects> texture_sets;
+  GLintptr material_stride = 0;
+  gpu::Scene scene{};
+  float stroke_spacing = 0.0f;
+  uint32_t stroke_layer = kAbsent;
+  GLsizei strokes = 0;
+  std::unique_ptr<CpuFrame> cpu;
+  std::unique_ptr<GpuFrame> gpu_frame;
+  std::unique_ptr<PictureTarget> target;
+
+ private:
+  void makePrograms();
+  void makeShadowMap();
+  void makeMaterials();
+  void makeMasks();
+};
+
+Renderer::State::State(const AssetView& view) : asset(view) {
+  makePrograms();
+  makeShadowMap();
+  for (const TextureSet& set : asset.texture_sets)
+    texture_sets.push_back({makeTexture(set.normals), makeTexture(set.shading), makeTexture(set.masks)});
+  vertex_array = GlObject(GlKind::kVertexArray);
+  glBindVertexArray(vertex_array);
+  indices = makeBuffer(GL_ELEMENT_ARRAY_BUFFER, asset.indices, GL_STATIC_DRAW);
+  uvs = makeBuffer(GL_ARRAY_BUFFER, asset.uvs, GL_STATIC_DRAW);
+  values = GlObject(GlKind::kBuffer);
+  stroke_indices = GlObject(GlKind::kBuffer);
+  scene_buffer = GlObject(GlKind::kBuffer);
+  makeMasks();
+  makeMaterials();
+  // A sampler must have a complete texture even where nothing is read from it.
+  const std::array<std::byte, 4> texel{};
+  empty_map = makeTexture({TextureFormat::kRgba8, 1, 1, 1, 1, texel});
+}
+
+void Renderer::State::makePrograms() {
+  shadow = makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment});
+  background = makeProgram("background", {shaders::kBackgroundVertex}, {}, {shaders::kBackgroundFragment});
+  stroke =
+      makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
+}
+
+uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps) {
+  // Only the beauty view knows shadings.
+  const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
+  GlObject& program = surface[{options.view, shading, maps}];
+  if (program) return program;
+  const std::string constants =
+      "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
+      "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
+      "u;\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
+  program = makeProgram(
+      "surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
+      {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kSurfaceFragment});
+  glUseProgram(program);
+  glUniform1i(glGetUniformLocation(program, "normal_maps"), kNormalMaps);
+  glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
+  glUniform1i(glGetUniformLocation(program, "mask_maps"), kMaskMaps);
+  glUniform1i(glGetUniformLocation(program, "shadow_map"), kShadowMap);
+  return program;
+}
+
+void Renderer::State::makeShadowMap() {
+  shadow_map = GlObject(GlKind::kTexture);
+  glBindTexture(GL_TEXTURE_2D, shadow_map);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT,
+               GL_FLOAT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  shadow_frame = GlObject(GlKind::kFramebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, shadow_map, 0);
+  glDrawBuffer(GL_NONE);
+  glReadBuffer(GL_NONE);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void Renderer::State::makeMaterials() {
+  GLint alignment = 1;
+  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  material_stride = (static_cast<GLintptr>(sizeof(gpu::Material)) + alignment - 1) / alignment * alignment;
+  std::vector<std::byte> bytes(static_cast<size_t>(material_stride) * asset.parts.size());
+  for (size_t p = 0; p < asset.parts.size(); ++p) {
+    const Part& part = asset.parts[p];
+    gpu::Material material{};
+    material.base_color = shownColor(part.base_color);
+    for (glm::uvec4& slices : material.slices) slices = glm::uvec4(kAbsent);
+    if (part.texture_set != kAbsent) {
+      const TextureSet& set = asset.texture_sets[part.texture_set];
+      material.with_masks = set.masks.slices > 0;
+      for (uint32_t l = 0; l < asset.layerCount(); ++l)
+        material.slices[l] = {set.compress_slice[l], set.stretch_slice[l],
+                              material.with_masks ? asset.layers[l].mask_slice : kAbsent, 0};
+    }
+    std::memcpy(&bytes[p * static_cast<size_t>(material_stride)], &material, sizeof material);
+  }
+  material_buffer = makeBuffer(GL_UNIFORM_BUFFER, std::span<const std::byte>(bytes), GL_STATIC_DRAW);
+}
+
+void Renderer::State::makeMasks() {
+  std::vector<uint8_t> bytes(size_t{asset.vertexCount()} * kMaxLayers, 255);
+  for (size_t l = 0; l < asset.layers.size(); ++l)
+    for (size_t v = 0; v < asset.layers[l].mask.size(); ++v)
+      bytes[v * kMaxLayers + l] = asset.layers[l].mask[v];
+  masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
+}
+
+void Renderer::State::check(const FrameInput& input, const RenderOptions& options) const {
+  const auto fail = [](const std::string& wrong) {
+    throw Error(Exit::kBadUsage, "frame", wrong, "pass an input made for this asset");
+  };
+  if (input.palette.size() != asset.palette.size()) fail("the number of palette matrices is not the asset's");
+  if (input.morph_weights.size() != asset.morphs.size())
+    fail("the number of morph weights is not the asset's");
+  if (!input.region_weights.empty() && input.region_weights.size() != asset.layers.size())
+    fail("the number of region weights is not that of the layers");
+  if (!input.responses.empty() && input.responses.size() != asset.layers.size())
+    fail("the number of responses is not that of the layers");
+  if (!(input.scale > 0.0f) || !std::isfinite(input.scale)) fail("the scale is not above 0");
+  const bool of_layer = options.view != View::kBeauty && options.view != View::kPoint;
+  if (of_layer && options.layer >= asset.layerCount()) fail("the view's layer does not exist");
+  const Camera& camera = options.camera;
+  if (!(camera.distance > 0.0f) || !(camera.field_of_view > 0.0f) || !(camera.field_of_view < 180.0f))
+    fail("the camera has no distance or no field of view");
+}
+
+PosedBuffers Renderer::State::pose(const FrameInput& input, Tier tier) {
+  if (tier == Tier::kCpu) {
+    if (!cpu) cpu = std::make_unique<CpuFrame>(asset);
+    return cpu->run(input);
+  }
+  if (!gpu_frame) gpu_frame = std::make_unique<GpuFrame>(asset);
+  return gpu_frame->run(input);
+}
+
+void Renderer::State::bindSurface(const PosedBuffers& posed) const {
+  glBindVertexArray(vertex_array);
+  const auto attribute = [](GLuint slot, uint32_t buffer, GLint components, GLenum type, GLsizei stride,
+                            size_t offset) {
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glVertexAttribPointer(slot, components, type, type != GL_FLOAT, stride,
+                          reinterpret_cast<const void*>(offset));
+    glEnableVertexAttribArray(slot);
+  };
+  attribute(kPosition, posed.positions, 3, GL_FLOAT, sizeof(Float3), 0);
+  attribute(kNormal, posed.normals, 3, GL_FLOAT, sizeof(Float3), 0);
+  attribute(kTangent, posed.tangents, 4, GL_FLOAT, sizeof(Float4), 0);
+  attribute(kUv, uvs, 2, GL_FLOAT, sizeof(Float2), 0);
+  const uint32_t stride = asset.weightStride();
+  for (GLuint i = 0; i < kVectors; ++i) {
+    attribute(kMasks + i, masks, 4, GL_UNSIGNED_BYTE, kMaxLayers, 4 * i);
+    if (4 * i < stride) {
+      attribute(kWeights + i, posed.weights, static_cast<GLint>(std::min(stride - 4 * i, 4u)), GL_SHORT,
+                static_cast<GLsizei>(stride * sizeof(int16_t)), 4 * i * sizeof(int16_t));
+    } else {
+      glDisableVertexAttribArray(kWeights + i);
+      glVertexAttrib4f(kWeights + i, 0.0f, 0.0f, 0.0f, 0.0f);
+    }
+  }
+}
+
+void Renderer::State::bindValues(const RenderOptions& options) {
+  std::vector<glm::vec4> shown;
+  if (options.view == View::kPoint) shown = pointColors(asset);
+  if (options.view == View::kBias) shown = biasValues(asset, options.layer);
+  if (options.view == View::kDirection || options.view == View::kConfidence)
+    shown = directionValues(asset, options.layer);
+  if (shown.empty()) {
+    glDisableVertexAttribArray(kValue);
+    glVertexAttrib4f(kValue, 0.0f, 0.0f, 0.0f, 0.0f);
+    return;
+  }
+  refill(values, GL_ARRAY_BUFFER, std::span<const glm::vec4>(shown));
+  glVertexAttribPointer(kValue, 4, GL_FLOAT, GL_FALSE, sizeof(glm::vec4), nullptr);
+  glEnableVertexAttribArray(kValue);
+}
+
+void Renderer::State::fillScene(const RenderOptions& options) {
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  const Camera& camera = options.camera;
+  const CameraFrame frame = cameraFrame(camera, aspect);
+  const glm::vec3 target_point(camera.target.x, camera.target.y, camera.target.z);
+  const float half_height = camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
+  const auto light = [&](float right, float up, float back, float radiance) {
+    return glm::vec4(glm::normalize(right * frame.right + up * frame.up + back * frame.back), radiance);
+  };
+
+  scene.view_projection = frame.view_projection;
+  scene.eye = glm::vec4(frame.eye, 0.0f);
+  // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded
+  // side.
+  scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.35f);
+  scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
+  scene.lights[2] = light(0.6f, 0.35f, -0.75f, 1.1f);
+  scene.up = glm::vec4(frame.up, 0.0f);
+
+  // The shadow map spans what the picture shows at the target; casters before it are clamped onto it.
+  const float reach = half_height * std::max(aspect, 1.0f) * 1.3f;
+  const glm::vec3 key(scene.lights[0]);
+  const glm::mat4 light_view = glm::lookAt(target_point + key * reach, target_point, frame.right);
+  const glm::mat4 light_projection = glm::ortho(-reach, reach, -reach, reach, 0.0f, reach * 2.0f);
+  scene.shadow = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f)) *
+                 glm::scale(glm::mat4(1.0f), glm::vec3(0.5f)) * light_projection * light_view;
+  scene.eye.w = 2.0f * reach / static_cast<float>(kShadowSize);
+
+  const float spacing = 2.0f * half_height / kStrokesAcross;
+  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height),
+                spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
+  scene.layer = options.layer;
+  scene.layers = asset.layerCount();
+  refill(scene_buffer, GL_UNIFORM_BUFFER, std::span<const gpu::Scene>(&scene, 1));
+  glBindBufferBase(GL_UNIFORM_BUFFER, kSceneSlot, scene_buffer);
+}
+
+void Renderer::State::drawShadow(const RenderOptions& options) {
+  if (options.view != View::kBeauty) return;
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
+  glViewport(0, 0, kShadowSize, kShadowSize);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glUseProgram(shadow);
+  glEnable(GL_DEPTH_CLAMP);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.5f, 2.0f);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(asset.indices.size()), GL_UNSIGNED_INT, nullptr);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_DEPTH_CLAMP);
+}
+
+void Renderer::State::drawParts(const RenderOptions& options) {
+  const auto bind = [](GLint unit, GLenum kind, uint32_t texture) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(kind, texture);
+  };
+  bind(kShadowMap, GL_TEXTURE_2D, shadow_map);
+  for (size_t p = 0; p < asset.parts.size(); ++p) {
+    const Part& part = asset.parts[p];
+    const TextureSetObjects* set = part.texture_set == kAbsent ? nullptr : &texture_sets[part.texture_set];
+    const auto mapOr = [&](const GlObject TextureSetObjects::*map) -> uint32_t {
+      return set && set->*map ? set->*map : empty_map;
+    };
+    glUseProgram(surfaceProgram(options, set && set->normals));
+    bind(kNormalMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::normals));
+    bind(kShadingMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::shading));
+    bind(kMaskMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::masks));
+    glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, material_buffer,
+                      static_cast<GLintptr>(p) * material_stride, sizeof(gpu::Material));
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (part.triangle_end - part.triangle_begin)),
+                   GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(size_t{part.triangle_begin} * 3 * sizeof(uint32_t)));
+  }
+  glActiveTexture(GL_TEXTURE0);
+}
+
+void Renderer::State::drawStrokes(const RenderOptions& options) {
+  // Steps of the square root of two: a moving camera changes the choice of strokes seldom.
+  const float wanted = scene.size.z / kStrokeLength;
+  const float spacing = std::exp2(std::round(std::log2(wanted) * 2.0f) * 0.5f);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, stroke_indices);
+  if (stroke_layer != options.layer || stroke_spacing != spacing) {
+    const std::vector<uint32_t> chosen = strokeVertices(asset, options.layer, spacing);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(chosen.size() * sizeof(uint32_t)),
+                 chosen.data(), GL_DYNAMIC_DRAW);
+    strokes = static_cast<GLsizei>(chosen.size());
+    stroke_layer = options.layer;
+    stroke_spacing = spacing;
+  }
+  glUseProgram(stroke);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  glDepthMask(GL_FALSE);
+  glDrawElements(GL_POINTS, strokes, GL_UNSIGNED_INT, nullptr);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+}
+
+Renderer::Renderer(const AssetView& asset) : state_(std::make_unique<State>(asset)) {}
+Renderer::~Renderer() = default;
+
+uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
+  State& s = *state_;
+  s.check(input, options);
+  if (!s.target || s.target->width() != options.width || s.target->height() != options.height) {
+    s.target.reset();
+    s.target = std::make_unique<PictureTarget>(options.width, options.height);
+  }
+  const PosedBuffers posed = s.pose(input, options.tier);
+  s.bindSurface(posed);
+  s.bindValues(options);
+  s.fillScene(options);
+
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  s.drawShadow(options);
+
+  s.target->bind();
+  glEnable(GL_MULTISAMPLE);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glUseProgram(s.background);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  s.drawParts(options);
+  if (options.view == View::kDirection) s.drawStrokes(options);
+  const uint32_t texture = s.target->resolve();
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindVertexArray(0);
+  glUseProgram(0);
+  return texture;
+}
+
+pipeline::Image Renderer::render(const FrameInput& input, const RenderOptions& options) {
+  draw(input, options);
+  const size_t row = size_t{4} * options.width;
+  std::vector<uint8_t> bytes(row * options.height);
+  state_->target->readPixels(bytes.data());
+  pipeline::Image image{options.width, options.height, 4, std::vector<float>(bytes.size())};
+  for (uint32_t y = 0; y < options.height; ++y)
+    std::transform(&bytes[row * (options.height - 1 - y)], &bytes[row * (options.height - 1 - y)] + row,
+                   &image.pixels[row * y], [](uint8_t value) { return static_cast<float>(value) / 255.0f; });
+  return image;
+}
+
+}  // namespace furrow::preview

@@ -1,0 +1,68 @@
+// The uniform blocks of the preview's shaders, read by C++ and pasted in front of every shader.
+
+#ifdef __cplusplus
+#pragma once
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+namespace furrow::preview::gpu {
+using glm::mat4;
+using glm::uvec4;
+using glm::vec4;
+using uint = uint32_t;
+#define FURROW_BLOCK(name) struct name
+#define FURROW_INSTANCE(name)
+#define FURROW_CONSTANT inline constexpr uint
+#else
+#define FURROW_BLOCK(name) layout(std140) uniform name
+#define FURROW_INSTANCE(name) name
+#define FURROW_CONSTANT const uint
+#endif
+
+FURROW_CONSTANT kMaxPreviewLayers = 16u;
+
+// The values of renderer.h's Shading and View.
+FURROW_CONSTANT kShadingInterpolated = 0u;
+FURROW_CONSTANT kShadingBlend = 1u;
+FURROW_CONSTANT kShadingAlpha = 2u;
+FURROW_CONSTANT kShadingNone = 3u;
+FURROW_CONSTANT kViewBeauty = 0u;
+FURROW_CONSTANT kViewWeight = 1u;
+FURROW_CONSTANT kViewDirection = 2u;
+FURROW_CONSTANT kViewPoint = 3u;
+FURROW_CONSTANT kViewMask = 4u;
+FURROW_CONSTANT kViewBias = 5u;
+FURROW_CONSTANT kViewConfidence = 6u;
+
+// A picture.
+FURROW_BLOCK(Scene) {
+  mat4 view_projection;
+  mat4 shadow;     // world to shadow map: xy texture coordinates, z depth
+  vec4 eye;        // world; w: world units a shadow texel
+  vec4 lights[3];  // key, fill, rim: direction to the light; w: radiance
+  vec4 up;         // of the camera
+  vec4 size;       // picture in pixels; z: stroke length in world units, w: stroke width in pixels
+  uint layer;
+  uint layers;
+  uint pad0;
+  uint pad1;
+}
+FURROW_INSTANCE(scene);
+
+// A part.
+FURROW_BLOCK(Material) {
+  vec4 base_color;
+  uint with_masks;  // 0: Layer::mask of the vertex
+  uint pad0;
+  uint pad1;
+  uint pad2;
+  uvec4 slices[kMaxPreviewLayers];  // as furrow_shade.glsl takes them
+}
+FURROW_INSTANCE(material);
+
+#ifdef __cplusplus
+#undef FURROW_BLOCK
+#undef FURROW_INSTANCE
+#undef FURROW_CONSTANT
+static_assert(sizeof(Scene) == 240 && sizeof(Material) == 32 + 16 * kMaxPreviewLayers);
+}  // namespace furrow::preview::gpu
+#endif

@@ -1,0 +1,118 @@
+#include "pipeline/import/import.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <optional>
+#include <string_view>
+
+#include "pipeline/error.h"
+#include "pipeline/import/formats.h"
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr size_t kStlHeader = 84;
+constexpr size_t kStlTriangle = 50;
+
+std::string_view skipSpace(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const size_t begin = text.find_first_not_of(" \t\r\n");
+  return begin == std::string_view::npos ? std::string_view{} : text.substr(begin);
+}
+
+bool isBinaryStl(const std::vector<uint8_t>& bytes) {
+  if (bytes.size() < kStlHeader) return false;
+  uint32_t triangles = 0;
+  std::memcpy(&triangles, bytes.data() + kStlHeader - sizeof triangles, sizeof triangles);
+  return bytes.size() == kStlHeader + kStlTriangle * static_cast<size_t>(triangles);
+}
+
+// "OFF" with any of the prefixes that say what a vertex holds: ST, C, N, 4, n.
+bool isOff(std::string_view text) {
+  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
+  return word.ends_with("OFF") && word.find_first_not_of("STCN4n") == word.size() - 3;
+}
+
+std::string extensionOf(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+// nullopt: glTF.
+std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const std::vector<uint8_t>& bytes) {
+  const std::string_view raw(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = skipSpace(raw);
+  const std::string extension = extensionOf(file);
+  if (raw.starts_with("glTF") || text.starts_with('{')) return std::nullopt;
+  if (raw.starts_with("ply\n") || raw.starts_with("ply\r")) return MeshFormat::kPly;
+  if (isBinaryStl(bytes)) return MeshFormat::kStlBinary;
+  if (isOff(text)) return MeshFormat::kOff;
+  if (extension == ".obj") return MeshFormat::kObj;
+  if (text.starts_with("solid") || extension == ".stl") return MeshFormat::kStlText;
+  if (extension == ".gltf" || extension == ".glb")
+    throw Error(Exit::kBadData, file.string(), "not glTF (neither JSON nor a GLB container)",
+                "export it again");
+  if (extension == ".ply" || extension == ".off")
+    throw Error(Exit::kBadData, file.string(), "does not begin as a " + extension.substr(1) + " file does",
+                "export it again");
+  throw Error(Exit::kBadData, file.string(), "not a format that furrow reads",
+              "give it glTF, GLB, OBJ, PLY, STL or OFF");
+}
+
+SourceScene read(const std::filesystem::path& file) {
+  std::vector<uint8_t> bytes = readBytes(file);
+  if (bytes.empty()) throw Error(Exit::kBadData, file.string(), "the file is empty", "export it again");
+  if (const std::optional<MeshFormat> format = tellFormat(file, bytes))
+    return importMeshFile(file, *format, std::move(bytes));
+  return importGltf(file, std::move(bytes));
+}
+
+// The first line of a library's message, short enough to print.
+std::string firstLine(std::string_view message) {
+  constexpr size_t kLongest = 240;
+  message = message.substr(0, std::min(message.find('\n'), kLongest));
+  while (message.ends_with('.') || message.ends_with(' ')) message.remove_suffix(1);
+  return std::string(message);
+}
+
+}  // namespace
+
+std::vector<uint8_t> readBytes(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) throw Error(Exit::kBadData, name, "no such file", "check the path");
+  if (std::filesystem::is_directory(status))
+    throw Error(Exit::kBadData, name, "is a directory", "name a file in it");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(Exit::kBadData, name, "is not a regular file", "copy it into one");
+  const uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream in(file, std::ios::binary);
+  if (error || !in) throw Error(Exit::kEnvironment, name, "cannot be opened", "check its permissions");
+  std::vector<uint8_t> bytes(static_cast<size_t>(size));
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (static_cast<uintmax_t>(in.gcount()) != size)
+    throw Error(Exit::kEnvironment, name, "cannot be read to its end", "check the disk");
+  return bytes;
+}
+
+SourceScene import(const std::filesystem::path& file) {
+  try {
+    SourceScene scene = read(file);
+    scene.file = file;
+    return scene;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(Exit::kBadData, file.string(), "it asks for more memory than there is", "export it again");
+  } catch (const std::exception& e) {
+    throw Error(Exit::kBadData, file.string(), firstLine(e.what()), "export it again");
+  }
+}
+
+}  // namespace furrow::pipeline

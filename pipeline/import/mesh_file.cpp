@@ -1,0 +1,516 @@
+#include <OpenMesh/Core/IO/IOManager.hh>
+#include <OpenMesh/Core/IO/importer/BaseImporter.hh>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <istream>
+#include <map>
+#include <mutex>
+#include <streambuf>
+#include <string_view>
+
+#include "pipeline/error.h"
+#include "pipeline/import/formats.h"
+
+// The readers register themselves from this header.
+#include <OpenMesh/Core/IO/MeshIO.hh>
+
+namespace furrow::pipeline {
+namespace {
+
+// Corners of a polygon that is cut by ears; longer ones become a fan, which takes linear time.
+constexpr size_t kLongestEarCut = 256;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::runtime_error(what);
+}
+
+// Where an OBJ file changes its material: lines behind `offset` use `name`.
+struct MaterialChange {
+  std::streamoff offset = 0;
+  std::string name;
+};
+
+// Takes down what OpenMesh's readers find, corner by corner, without building a half-edge mesh, so that
+// non-manifold faces stay and UV and normal seams split vertices. An OBJ reader sets the UV and normal of a
+// face's corners just before it adds the face.
+class Recorder final : public OpenMesh::IO::BaseImporter {
+ public:
+  using VertexHandle = OpenMesh::VertexHandle;
+  using FaceHandle = OpenMesh::FaceHandle;
+  using HalfedgeHandle = OpenMesh::HalfedgeHandle;
+  using EdgeHandle = OpenMesh::EdgeHandle;
+
+  // A corner: a place, and the UV and normal it has there.
+  struct Corner {
+    uint32_t place = 0;
+    glm::vec2 uv{0.0f};
+    glm::vec3 normal{0.0f};
+    uint32_t next = kNoIndex;  // another corner at this place
+  };
+
+  // `promised`: the least number of vertices that there must be when the first face comes.
+  Recorder(std::streambuf& stream, size_t promised, std::vector<MaterialChange> changes)
+      : stream_(stream), promised_(promised), changes_(std::move(changes)) {}
+
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec4> colors;  // as long as positions if has_colors
+  std::vector<Corner> corners;
+  std::vector<uint32_t> polygon_corners;
+  std::vector<uint32_t> polygon_ends;       // in polygon_corners
+  std::vector<uint32_t> polygon_materials;  // index into the changes + 1; 0 before the first
+  bool has_uvs = false, has_normals = false, has_colors = false;
+  size_t faces_without_area = 0;
+
+  const std::vector<MaterialChange>& changes() const { return changes_; }
+  uint32_t firstCorner(uint32_t place) const { return places_[place].first; }
+
+  VertexHandle add_vertex(const OpenMesh::Vec3f& p) override {
+    positions.emplace_back(p[0], p[1], p[2]);
+    places_.emplace_back();
+    if (has_colors) colors.emplace_back(1.0f);
+    return VertexHandle(static_cast<int>(positions.size() - 1));
+  }
+  VertexHandle add_vertex() override { return add_vertex(OpenMesh::Vec3f(0.0f, 0.0f, 0.0f)); }
+  void set_point(VertexHandle v, const OpenMesh::Vec3f& p) override {
+    positions[checked(v)] = {p[0], p[1], p[2]};
+  }
+  void set_normal(VertexHandle v, const OpenMesh::Vec3f& n) override {
+    has_normals = true;
+    places_[checked(v)].normal = {n[0], n[1], n[2]};
+  }
+  void set_normal(VertexHandle v, const OpenMesh::Vec3d& n) override { set_normal(v, OpenMesh::Vec3f(n)); }
+  void set_texcoord(VertexHandle v, const OpenMesh::Vec2f& t) override {
+    has_uvs = true;
+    places_[checked(v)].uv = {t[0], t[1]};
+  }
+  void set_color(VertexHandle v, const OpenMesh::Vec4f& c) override { setColor(v, {c[0], c[1], c[2], c[3]}); }
+  void set_color(VertexHandle v, const OpenMesh::Vec3f& c) override { setColor(v, {c[0], c[1], c[2], 1.0f}); }
+  void set_color(VertexHandle v, const OpenMesh::Vec4uc& c) override {
+    setColor(v, glm::vec4(c[0], c[1], c[2], c[3]) / 255.0f);
+  }
+  void set_color(VertexHandle v, const OpenMesh::Vec3uc& c) override {
+    setColor(v, glm::vec4(c[0], c[1], c[2], 255.0f) / 255.0f);
+  }
+
+  FaceHandle add_face(const VHandles& vertices) override {
+    if (positions.size() < promised_)
+      fail(std::to_string(promised_ - positions.size()) + " vertices are not three numbers");
+    if (vertices.size() < 3) {
+      ++faces_without_area;
+      return FaceHandle();
+    }
+    for (const VertexHandle v : vertices) polygon_corners.push_back(corner(checked(v)));
+    polygon_ends.push_back(static_cast<uint32_t>(polygon_corners.size()));
+    // The stream stands behind the line that holds the face.
+    const std::streamoff at = stream_.pubseekoff(0, std::ios::cur, std::ios::in);
+    while (change_ < changes_.size() && changes_[change_].offset < at) ++change_;
+    polygon_materials.push_back(static_cast<uint32_t>(change_));
+    return FaceHandle(static_cast<int>(polygon_ends.size() - 1));
+  }
+
+  size_t n_vertices() const override { return positions.size(); }
+  size_t n_faces() const override { return polygon_ends.size(); }
+  size_t n_edges() const override { return 0; }
+
+  // What furrow does not use.
+  HalfedgeHandle add_edge(VertexHandle, VertexHandle) override { return HalfedgeHandle(); }
+  FaceHandle add_face(HalfedgeHandle) override { return FaceHandle(); }
+  void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<OpenMesh::Vec2f>&) override {}
+  void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<OpenMesh::Vec3f>&) override {}
+  void set_face_texindex(FaceHandle, int) override {}
+  void set_halfedge(VertexHandle, HalfedgeHandle) override {}
+  void set_status(VertexHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void set_next(HalfedgeHandle, HalfedgeHandle) override {}
+  void set_face(HalfedgeHandle, FaceHandle) override {}
+  void request_face_texcoords2D() override {}
+  void set_texcoord(HalfedgeHandle, const OpenMesh::Vec2f&) override {}
+  void set_texcoord(VertexHandle, const OpenMesh::Vec3f&) override {}
+  void set_texcoord(HalfedgeHandle, const OpenMesh::Vec3f&) override {}
+  void set_status(HalfedgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void set_color(EdgeHandle, const OpenMesh::Vec3uc&) override {}
+  void set_color(EdgeHandle, const OpenMesh::Vec4uc&) override {}
+  void set_color(EdgeHandle, const OpenMesh::Vec3f&) override {}
+  void set_color(EdgeHandle, const OpenMesh::Vec4f&) override {}
+  void set_status(EdgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void set_normal(FaceHandle, const OpenMesh::Vec3f&) override {}
+  void set_normal(FaceHandle, const OpenMesh::Vec3d&) override {}
+  void set_color(FaceHandle, const OpenMesh::Vec3uc&) override {}
+  void set_color(FaceHandle, const OpenMesh::Vec4uc&) override {}
+  void set_color(FaceHandle, const OpenMesh::Vec3f&) override {}
+  void set_color(FaceHandle, const OpenMesh::Vec4f&) override {}
+  void set_status(FaceHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void add_texture_information(int, std::string) override {}
+
+ private:
+  struct Place {
+    glm::vec2 uv{0.0f};
+    glm::vec3 normal{0.0f};
+    uint32_t first = kNoIndex, last = kNoIndex;  // its corners
+  };
+
+  size_t checked(VertexHandle v) const {
+    if (v.idx() < 0 || static_cast<size_t>(v.idx()) >= positions.size())
+      fail("a face has a corner that does not exist: vertex " + std::to_string(v.idx()) + " of " +
+           std::to_string(positions.size()));
+    return static_cast<size_t>(v.idx());
+  }
+
+  void setColor(VertexHandle v, const glm::vec4& color) {
+    if (!has_colors) colors.assign(positions.size(), glm::vec4(1.0f));
+    has_colors = true;
+    colors[checked(v)] = color;
+  }
+
+  uint32_t corner(size_t index) {
+    Place& place = places_[index];
+    for (uint32_t c = place.first; c != kNoIndex; c = corners[c].next)
+      if (std::memcmp(&corners[c].uv, &place.uv, sizeof place.uv) == 0 &&
+          std::memcmp(&corners[c].normal, &place.normal, sizeof place.normal) == 0)
+        return c;
+    const uint32_t added = static_cast<uint32_t>(corners.size());
+    corners.push_back({static_cast<uint32_t>(index), place.uv, place.normal});
+    (place.last == kNoIndex ? place.first : corners[place.last].next) = added;
+    place.last = added;
+    return added;
+  }
+
+  std::streambuf& stream_;
+  size_t promised_;
+  std::vector<MaterialChange> changes_;
+  std::vector<Place> places_;
+  size_t change_ = 0;
+};
+
+// The bytes of a file as a stream that can be rewound.
+class MemoryBuffer final : public std::streambuf {
+ public:
+  explicit MemoryBuffer(std::vector<uint8_t>& bytes) {
+    char* begin = reinterpret_cast<char*>(bytes.data());
+    setg(begin, begin, begin + bytes.size());
+  }
+
+ protected:
+  pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode) override {
+    const off_type base = from == std::ios::beg   ? 0
+                          : from == std::ios::cur ? gptr() - eback()
+                                                  : egptr() - eback();
+    return seekpos(base + offset, std::ios::in);
+  }
+  pos_type seekpos(pos_type position, std::ios::openmode) override {
+    const off_type offset = position;
+    if (offset < 0 || offset > egptr() - eback()) return pos_type(off_type(-1));
+    setg(eback(), eback() + offset, egptr());
+    return position;
+  }
+};
+
+std::string_view trimmed(std::string_view text) {
+  const size_t begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+// Finds the materials of an OBJ file, and changes in place what OpenMesh's reader cannot bear: continued
+// lines, corners without a vertex, material files (it would look for them in the working directory). Returns
+// the number of vertices that the file means to have.
+size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& changes) {
+  for (size_t i = 0; i + 1 < bytes.size(); ++i) {
+    if (bytes[i] != '\\') continue;
+    const size_t line_feed = bytes[i + 1] == '\r' ? i + 2 : i + 1;
+    if (line_feed < bytes.size() && bytes[line_feed] == '\n')
+      std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(i), line_feed + 1 - i, uint8_t{' '});
+  }
+  char* text = reinterpret_cast<char*>(bytes.data());
+  size_t vertices = 0;
+  for (size_t begin = 0; begin < bytes.size();) {
+    const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
+    const size_t end = found ? static_cast<size_t>(static_cast<const char*>(found) - text) : bytes.size();
+    const std::string_view line = trimmed({text + begin, end - begin});
+    const size_t word_end = std::min(line.find_first_of(" \t"), line.size());
+    const std::string_view word = line.substr(0, word_end);
+    const std::string_view rest = trimmed(line.substr(word_end));
+    if (word == "v") {
+      ++vertices;
+    } else if (word == "usemtl") {
+      changes.push_back({static_cast<std::streamoff>(begin), std::string(rest)});
+    } else if (word == "mtllib") {
+      text[line.data() - text] = '#';
+    } else if (word == "f") {
+      for (size_t i = 0; i < rest.size(); ++i)
+        if (rest[i] == '/' && (i == 0 || std::isspace(static_cast<unsigned char>(rest[i - 1]))))
+          fail("a face has a corner without a vertex");
+    }
+    begin = end + 1;
+  }
+  return vertices;
+}
+
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    const size_t end = std::min(line.find_first_of(" \t"), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+  return words;
+}
+
+bool isOneOf(std::string_view word, std::string_view spaced_words) {
+  const std::vector<std::string_view> words = wordsOf(spaced_words);
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// OpenMesh's reader trusts the header: what it does not know, lists above all, it takes for something else or
+// skips by the wrong length.
+void checkPlyHeader(const std::filesystem::path& file, std::vector<uint8_t>& bytes) {
+  constexpr const char* kSingle = "float float32";
+  constexpr const char* kDouble = "double float64";
+  constexpr const char* kInteger = "char uchar short ushort int uint int8 uint8 int16 uint16 int32 uint32";
+  char* text = reinterpret_cast<char*>(bytes.data());
+  std::string element;
+  for (size_t begin = 0, number = 1; begin < bytes.size(); ++number) {
+    const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
+    if (!found) break;
+    const size_t end = static_cast<size_t>(static_cast<const char*>(found) - text);
+    const std::string_view line(text + begin, end - begin);
+    const std::vector<std::string_view> words = wordsOf(line);
+    const auto is = [&](size_t i, std::string_view word) { return i < words.size() && words[i] == word; };
+    const size_t count = words.size();
+    bool known = is(0, "comment") || count == 0;
+    if (number == 1) {
+      known = count == 1;
+    } else if (number == 2) {
+      known = count == 3 && is(0, "format");
+    } else if (is(0, "obj_info")) {
+      std::memcpy(text + (words[0].data() - text), "comment ", 8);
+      known = true;
+    } else if (is(0, "end_header")) {
+      return;
+    } else if (is(0, "element") && count == 3) {
+      if (element == "face") return;  // what follows is not read
+      element = words[1];
+      known = true;
+    } else if (is(0, "property") && is(1, "list") && count == 5) {
+      known = element == "face" && isOneOf(words[2], "uchar uint8 uint16 int") &&
+              isOneOf(words[3], kInteger) && isOneOf(words[4], "vertex_indices vertex_index");
+    } else if (is(0, "property") && count == 3 && !element.empty()) {
+      const bool single = isOneOf(words[1], kSingle), twice = isOneOf(words[1], kDouble);
+      const bool color = isOneOf(words[2], "red green blue alpha diffuse_red diffuse_green diffuse_blue");
+      known = single || (twice && !color) ||
+              (isOneOf(words[1], kInteger) && !isOneOf(words[2], "x y z nx ny nz u v s t"));
+    }
+    if (!known)
+      throw Error(Exit::kBadData, file.string(),
+                  "line " + std::to_string(number) + " of its header is more than furrow reads: \"" +
+                      std::string(trimmed(line).substr(0, 80)) + "\"",
+                  "save it without, or as OBJ or glTF");
+    begin = end + 1;
+  }
+  fail("its header does not end");
+}
+
+const char* extensionOf(MeshFormat format) {
+  switch (format) {
+    case MeshFormat::kObj:
+      return ".obj";
+    case MeshFormat::kPly:
+      return ".ply";
+    case MeshFormat::kOff:
+      return ".off";
+    default:
+      return ".stl";
+  }
+}
+
+void parse(MeshFormat format, MemoryBuffer& buffer, Recorder& recorder) {
+  using OpenMesh::IO::Options;
+  // The readers are single objects with state.
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  ::omerr().disable();
+  ::omlog().disable();
+  ::omout().disable();
+
+  std::istream in(&buffer);
+  // Their loops run to the counts of the file, not to its end: let it end them. The readers that go line by
+  // line do stop at the end.
+  if (format == MeshFormat::kPly || format == MeshFormat::kOff || format == MeshFormat::kStlBinary)
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+  Options options =
+      Options::VertexNormal | Options::VertexTexCoord | Options::VertexColor | Options::ColorAlpha;
+  if (format == MeshFormat::kStlBinary) options += Options::Binary;
+  bool read = false;
+  try {
+    read = OpenMesh::IO::IOManager().read(in, extensionOf(format), recorder, options);
+  } catch (const std::ios::failure&) {
+    fail("cut off, or a number in it is damaged");
+  }
+  if (!read) fail("its data is damaged");
+}
+
+glm::dvec3 newell(std::span<const glm::dvec3> points) {
+  glm::dvec3 normal(0.0);
+  for (size_t i = 0; i < points.size(); ++i) normal += glm::cross(points[i], points[(i + 1) % points.size()]);
+  return normal;
+}
+
+bool isEar(const std::vector<glm::dvec3>& points, const std::vector<uint32_t>& left, size_t i,
+           const glm::dvec3& normal) {
+  const size_t n = left.size();
+  const size_t before = (i + n - 1) % n, behind = (i + 1) % n;
+  const glm::dvec3 &a = points[left[before]], &b = points[left[i]], &c = points[left[behind]];
+  const auto side = [&](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+    return glm::dot(glm::cross(q - p, r - p), normal);
+  };
+  if (side(a, b, c) <= 0.0) return false;
+  for (size_t j = 0; j < n; ++j) {
+    if (j == before || j == i || j == behind) continue;
+    const glm::dvec3& p = points[left[j]];
+    if (side(a, b, p) >= 0.0 && side(b, c, p) >= 0.0 && side(c, a, p) >= 0.0) return false;
+  }
+  return true;
+}
+
+// Triangles of a polygon as triples of its corners: a fan if it is convex, else ears.
+void triangulate(const std::vector<glm::dvec3>& points, std::vector<std::array<uint32_t, 3>>& out) {
+  out.clear();
+  const uint32_t n = static_cast<uint32_t>(points.size());
+  std::vector<uint32_t> left(n);
+  for (uint32_t i = 0; i < n; ++i) left[i] = i;
+  if (n > 3 && n <= kLongestEarCut) {
+    const glm::dvec3 normal = newell(points);
+    bool convex = true;
+    for (uint32_t i = 0; i < n && convex; ++i)
+      convex = glm::dot(glm::cross(points[(i + 1) % n] - points[i], points[(i + 2) % n] - points[i]),
+                        normal) >= 0.0;
+    while (!convex && left.size() > 3) {
+      size_t ear = 0;
+      while (ear < left.size() && !isEar(points, left, ear, normal)) ++ear;
+      if (ear == left.size()) break;
+      const size_t m = left.size();
+      out.push_back({left[(ear + m - 1) % m], left[ear], left[(ear + 1) % m]});
+      left.erase(left.begin() + static_cast<ptrdiff_t>(ear));
+    }
+  }
+  for (size_t i = 1; i + 1 < left.size(); ++i) out.push_back({left[0], left[i], left[i + 1]});
+}
+
+bool finite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Vertices of the primitive: all corners of a place together, places in file order. `wanted`: the corners in
+// it, ascending by place.
+Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wanted) {
+  Primitive out;
+  Attribute color{"COLOR_0", 4, {}};
+  for (const uint32_t c : wanted) {
+    const Recorder::Corner& corner = mesh.corners[c];
+    out.positions.push_back(mesh.positions[corner.place]);
+    if (mesh.has_normals) out.normals.push_back(finite(corner.normal) ? corner.normal : glm::vec3(0.0f));
+    if (mesh.has_uvs)
+      out.uvs.push_back(std::isfinite(corner.uv.x) && std::isfinite(corner.uv.y) ? corner.uv
+                                                                                 : glm::vec2(0.0f));
+    if (mesh.has_colors)
+      for (int k = 0; k < 4; ++k) {
+        const float value = mesh.colors[corner.place][k];
+        color.values.push_back(std::isfinite(value) ? value : 0.0f);
+      }
+  }
+  if (mesh.has_colors) out.attributes.push_back(std::move(color));
+  return out;
+}
+
+}  // namespace
+
+SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
+  std::vector<MaterialChange> changes;
+  const size_t promised = format == MeshFormat::kObj ? prepareObj(bytes, changes) : 0;
+  if (format == MeshFormat::kPly) checkPlyHeader(file, bytes);
+  MemoryBuffer buffer(bytes);
+  Recorder mesh(buffer, promised, std::move(changes));
+  parse(format, buffer, mesh);
+  if (mesh.polygon_ends.empty()) fail("it has no faces");
+
+  SourceScene scene;
+  scene.dependencies.push_back(file);
+  // Materials by name, in the order in which faces use them; primitive m shows material m, or there is one of
+  // no material.
+  std::map<std::string, uint32_t> known;
+  std::vector<uint32_t> material_of(mesh.changes().size() + 1, kNoIndex);
+  std::vector<std::vector<uint32_t>> polygons;  // of every primitive
+  for (uint32_t p = 0; p < mesh.polygon_ends.size(); ++p) {
+    const uint32_t change = mesh.polygon_materials[p];
+    if (material_of[change] == kNoIndex) {
+      const std::string name = change == 0 ? std::string() : mesh.changes()[change - 1].name;
+      const auto [entry, added] = known.try_emplace(name, static_cast<uint32_t>(polygons.size()));
+      if (added) {
+        polygons.emplace_back();
+        scene.materials.push_back({name});
+      }
+      material_of[change] = entry->second;
+    }
+    polygons[material_of[change]].push_back(p);
+  }
+
+  std::vector<uint32_t> vertex_of(mesh.corners.size());
+  std::vector<bool> used;
+  std::vector<glm::dvec3> points;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  const auto beginOf = [&](uint32_t p) { return p == 0 ? 0u : mesh.polygon_ends[p - 1]; };
+  for (uint32_t m = 0; m < polygons.size(); ++m) {
+    used.assign(mesh.corners.size(), false);
+    for (const uint32_t p : polygons[m])
+      for (uint32_t i = beginOf(p); i < mesh.polygon_ends[p]; ++i) used[mesh.polygon_corners[i]] = true;
+    std::vector<uint32_t> wanted;
+    for (uint32_t place = 0; place < mesh.positions.size(); ++place)
+      for (uint32_t c = mesh.firstCorner(place); c != kNoIndex; c = mesh.corners[c].next) {
+        if (!used[c]) continue;
+        vertex_of[c] = static_cast<uint32_t>(wanted.size());
+        wanted.push_back(c);
+      }
+
+    Primitive primitive = makePrimitive(mesh, wanted);
+    for (const glm::vec3& p : primitive.positions)
+      if (!finite(p)) fail("a position is not finite");
+    for (const uint32_t p : polygons[m]) {
+      const uint32_t* corner = &mesh.polygon_corners[beginOf(p)];
+      points.clear();
+      for (uint32_t i = beginOf(p); i < mesh.polygon_ends[p]; ++i)
+        points.emplace_back(mesh.positions[mesh.corners[mesh.polygon_corners[i]].place]);
+      triangulate(points, triangles);
+      for (const auto& triangle : triangles)
+        for (const uint32_t i : triangle) primitive.indices.push_back(vertex_of[corner[i]]);
+    }
+    scene.primitives.push_back(std::move(primitive));
+  }
+
+  const std::string name = file.stem().string();
+  scene.rig.nodes.push_back(Node{.name = name});
+  scene.rig.palette.push_back({0, glm::dmat4(1.0)});
+  const bool nameless = scene.materials.size() == 1 && scene.materials[0].name.empty();
+  for (uint32_t m = 0; m < polygons.size(); ++m) {
+    Part part;
+    part.mesh = name;
+    part.primitive = m;
+    part.material = nameless ? kNoIndex : m;
+    scene.parts.push_back(std::move(part));
+  }
+  if (nameless) scene.materials.clear();
+
+  size_t unused = 0;
+  for (uint32_t place = 0; place < mesh.positions.size(); ++place)
+    unused += mesh.firstCorner(place) == kNoIndex;
+  if (unused > 0)
+    scene.warnings.push_back(std::to_string(unused) + " vertices belong to no face and are left out");
+  if (mesh.faces_without_area > 0)
+    scene.warnings.push_back(std::to_string(mesh.faces_without_area) +
+                             " faces have fewer than three corners");
+  return scene;
+}
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,236 @@
+#include "pipeline/recipe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "pipeline/error.h"
+#include "pipeline/recipe_schema.h"
+
+namespace furrow::pipeline {
+
+namespace {
+
+using json = nlohmann::json;
+
+std::string readText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code ignored;
+  if (!stream || std::filesystem::is_directory(file, ignored))
+    throw Error(Exit::kEnvironment, file.string(), "cannot be opened", "give a recipe that can be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Finds what json::parse() leaves out: where an error is, and keys that stand twice.
+class SyntaxCheck : public nlohmann::json_sax<json> {
+ public:
+  SyntaxCheck(const std::string& text, const std::filesystem::path& file) : text_(text), file_(file) {}
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_array(size_t) override { return open(); }
+  bool end_array() override { return close(); }
+  bool start_object(size_t) override { return open(); }
+  bool end_object() override { return close(); }
+
+  bool key(string_t& name) override {
+    if (!keys_.back().insert(name).second)
+      throw Error(Exit::kBadData, file_.string(), "the key \"" + name + "\" stands twice in one object",
+                  "keep one");
+    return true;
+  }
+
+  bool parse_error(size_t position, const std::string& token,
+                   const nlohmann::detail::exception& error) override {
+    size_t end = std::min(position == 0 ? 0 : position - 1, text_.size());
+    auto before = text_.begin() + static_cast<std::ptrdiff_t>(end);
+    auto line = 1 + std::count(text_.begin(), before, '\n');
+    size_t line_begin = text_.rfind('\n', end == 0 ? 0 : end - 1);
+    size_t column = end - (line == 1 ? 0 : line_begin + 1) + 1;
+    // The library's own text is "[json.exception...] parse error at line ..., column ...: what"; a number out
+    // of range has none of that.
+    std::string what = error.what();
+    size_t colon = what.find(": ");
+    what = colon == std::string::npos ? "the number " + token + " is too large" : what.substr(colon + 2);
+    std::replace_if(
+        what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+    throw Error(Exit::kBadData, file_.string(),
+                "line " + std::to_string(line) + ", column " + std::to_string(column) + ": " + what,
+                "recipes are JSON, in which comments are allowed");
+  }
+
+ private:
+  static constexpr size_t kMaxDepth = 64;
+
+  bool open() {
+    if (keys_.size() == kMaxDepth)
+      throw Error(Exit::kBadData, file_.string(), "is nested too deeply", "recipes nest a few levels");
+    keys_.emplace_back();
+    return true;
+  }
+  bool close() {
+    keys_.pop_back();
+    return true;
+  }
+
+  const std::string& text_;
+  const std::filesystem::path& file_;
+  std::vector<std::set<std::string>> keys_;
+};
+
+// What follows reads recipes that checkRecipe() has passed.
+
+std::vector<std::string> strings(const json& object, const char* key) {
+  return object.value(key, std::vector<std::string>{});
+}
+
+uint32_t channelOf(const json& object) {
+  return static_cast<uint32_t>(std::string("rgba").find(object.value("channel", "r")));
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : file_(file) {}
+
+  Recipe recipe(const json& j) const {
+    Recipe recipe;
+    recipe.file = std::filesystem::absolute(file_).lexically_normal();
+    if (j.contains("rest")) recipe.rest = rest(j["rest"]);
+    if (j.contains("weld")) recipe.weld_tolerance = j["weld"].value("tolerance", 0.0);
+    recipe.map_size = j.value("mapSize", 0u);
+    for (const json& l : j["layers"]) {
+      recipe.layers.push_back(layer(l, "layers[" + std::to_string(recipe.layers.size()) + ']'));
+      for (size_t i = 0; i + 1 < recipe.layers.size(); ++i)
+        if (recipe.layers[i].name == recipe.layers.back().name)
+          throw Error(Exit::kBadData, file_.string(),
+                      "layers[" + std::to_string(recipe.layers.size() - 1) + "].name: \"" +
+                          recipe.layers[i].name + "\" is also the name of layers[" + std::to_string(i) + ']',
+                      "give each layer a name of its own");
+    }
+    return recipe;
+  }
+
+ private:
+  std::filesystem::path path(const json& text) const { return recipePath(file_, text.get<std::string>()); }
+
+  static Rest rest(const json& j) {
+    if (j.is_string()) return RestBind{};
+    if (j.contains("morphs")) return RestMorphs{j["morphs"].get<std::map<std::string, double>>()};
+    const json& clip = j["clip"];
+    return RestClip{clip.is_string() ? clip.get<std::string>() : clip.dump(), j.value("time", 0.0)};
+  }
+
+  Direction direction(const json& j, const std::string& at) const {
+    if (j.is_string() || j.contains("animation")) return DirectionAnimation{};
+    if (j.contains("attribute")) return DirectionAttribute{j["attribute"].get<std::string>()};
+    auto axis = j["axis"].get<std::array<double, 3>>();
+    double length = std::hypot(axis[0], axis[1], axis[2]);
+    if (length < 1e-12)
+      throw Error(Exit::kBadData, file_.string(), at + ".axis: is the zero vector, which points nowhere",
+                  "give the direction across the creases");
+    for (double& component : axis) component /= length;
+    return DirectionAxis{axis};
+  }
+
+  static Measure measure(const std::string& word) {
+    return word == "area"        ? Measure::kArea
+           : word == "principal" ? Measure::kPrincipal
+           : word == "none"      ? Measure::kNone
+                                 : Measure::kDirectional;
+  }
+
+  static Response response(const json& layer, Measure measure) {
+    Response response;
+    if (!layer.contains("response")) {
+      if (measure == Measure::kArea) response.curve = Curve::kOat;
+      return response;
+    }
+    const json& j = layer["response"];
+    const json stretch = j.value("stretch", json::object());
+    response.lambda = j.value("lambda", response.lambda);
+    response.beta = j.value("beta", response.beta);
+    response.stretch_lambda = stretch.value("lambda", std::max(response.lambda, 1.0f));
+    response.stretch_beta = stretch.value("beta", response.beta);
+    return response;
+  }
+
+  Mask mask(const json& j) const {
+    if (j == "none") return MaskNone{};
+    if (j.is_string()) return MaskAuto{};
+    if (j.contains("texture")) return MaskTexture{path(j["texture"]), channelOf(j)};
+    return MaskAttribute{j["attribute"].get<std::string>(), channelOf(j)};
+  }
+
+  Map map(const json& j) const {
+    if (j.is_string()) return MapNone{};
+    if (j.contains("normal")) return MapNormal{path(j["normal"])};
+    if (j.contains("height")) return MapHeight{path(j["height"]), j.value("depth", 0.0)};
+    const json& s = j["synthesize"];
+    MapSynthesized map;
+    if (s.contains("preset")) map.preset = s["preset"] == "skin" ? Preset::kSkin : Preset::kCloth;
+    map.spacing = s.value("spacing", 0.0);
+    map.depth = s.value("depth", 0.0);
+    map.seed = s.value("seed", map.seed);
+    return map;
+  }
+
+  std::optional<std::filesystem::path> shading(const json& map) const {
+    if (!map.is_object() || !map.contains("shading")) return std::nullopt;
+    return path(map["shading"]);
+  }
+
+  LayerRecipe layer(const json& j, const std::string& at) const {
+    LayerRecipe layer;
+    layer.name = j["name"].get<std::string>();
+    layer.meshes = strings(j, "meshes");
+    layer.materials = strings(j, "materials");
+    if (j.contains("direction")) layer.direction = direction(j["direction"], at + ".direction");
+    layer.measure = measure(j.value("measure", "directional"));
+    layer.response = response(j, layer.measure);
+    if (j.contains("mask")) layer.mask = mask(j["mask"]);
+    if (j.contains("bias")) {
+      const json& bias = j["bias"];
+      layer.bias = Bias{bias["attribute"].get<std::string>(), channelOf(bias), bias.value("neutral", 0.5)};
+    }
+    if (j.contains("compress")) {
+      layer.compress = map(j["compress"]);
+      layer.compress_shading = shading(j["compress"]);
+    }
+    if (j.contains("stretch")) {
+      layer.stretch = map(j["stretch"]);
+      layer.stretch_shading = shading(j["stretch"]);
+    }
+    for (const json& driver : j.value("drivers", json::array()))
+      layer.drivers.push_back({driver["morph"].get<std::string>(), driver.value("gain", 1.0)});
+    return layer;
+  }
+
+  const std::filesystem::path& file_;
+};
+
+}  // namespace
+
+Recipe defaultRecipe() {
+  Recipe recipe;
+  recipe.layers.emplace_back().name = "wrinkles";
+  return recipe;
+}
+
+Recipe readRecipe(const std::filesystem::path& file) {
+  std::string text = readText(file);
+  SyntaxCheck syntax(text, file);
+  json::sax_parse(text, &syntax, nlohmann::detail::input_format_t::json, true, true);
+  const json parsed = json::parse(text, nullptr, true, true);
+  checkRecipe(parsed, file);
+  return Reader(file).recipe(parsed);
+}
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,442 @@
+#include "furrow/asset.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <new>
+#include <vector>
+
+#include "asset_header.h"
+#include "furrow_generated.h"
+#include "geometry.h"
+
+namespace furrow {
+
+struct Asset::Storage {
+  std::vector<std::byte> payload;
+  PartGeometry geometry;  // of all parts, indices and joints absolute
+  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, ring_offsets, ring_triangles,
+      morph_entries;
+  std::vector<uint16_t> ring_weights;
+  std::vector<Part> parts;
+  std::vector<PaletteEntry> palette;
+  std::vector<Morph> morphs;
+  std::vector<Layer> layers;
+  std::vector<Driver> drivers;
+  std::vector<TextureSet> texture_sets;
+  // What morphs and layers point into; a deque does not move its elements.
+  std::deque<std::vector<uint32_t>> words;
+  std::deque<std::vector<int16_t>> shorts;
+  std::deque<std::vector<int8_t>> bytes;
+  std::deque<std::vector<float>> floats;
+};
+
+namespace {
+
+Status bad(const char* what) {
+  return Status::error(StatusCode::kBadData, "%s", what);
+}
+
+std::string_view bytesOf(const flatbuffers::String* string) {
+  return string ? std::string_view(string->data(), string->size()) : std::string_view();
+}
+
+template <typename T>
+std::span<const std::byte> bytesOf(const flatbuffers::Vector<T>* vector) {
+  static_assert(sizeof(T) == 1);
+  return vector ? std::as_bytes(std::span(vector->data(), vector->size())) : std::span<const std::byte>();
+}
+
+bool readAffine(const flatbuffers::Vector<float>* numbers, Affine& out) {
+  if (!numbers || numbers->size() != 12) return false;
+  for (uint32_t i = 0; i < 12; ++i) {
+    out.m[i] = numbers->Get(i);
+    if (!std::isfinite(out.m[i])) return false;
+  }
+  return true;
+}
+
+template <typename T, typename Elements>
+Status decode(const format::Stream* stream, size_t elements_each, size_t count, Elements& out) {
+  out.resize(count * elements_each);
+  return decodeStream(stream, static_cast<uint32_t>(elements_each * sizeof(T)), count, out.data());
+}
+
+}  // namespace
+
+size_t textureLevelBytes(TextureFormat format, uint32_t width, uint32_t height, uint32_t level) {
+  const size_t w = std::max(1u, width >> level);
+  const size_t h = std::max(1u, height >> level);
+  if (format == TextureFormat::kRgba8) return w * h * 4;
+  return ((w + 3) / 4) * ((h + 3) / 4) * (format == TextureFormat::kBc5 ? 16 : 8);
+}
+
+Asset::Asset() = default;
+Asset::~Asset() = default;
+Asset::Asset(Asset&&) noexcept = default;
+Asset& Asset::operator=(Asset&&) noexcept = default;
+
+namespace {
+
+// Fills a Storage from a verified payload, checking every count, offset and index.
+class Loader {
+ public:
+  Loader(Asset::Storage& storage, const format::Asset& asset) : s_(storage), a_(asset) {}
+
+  Status load() {
+    for (const auto step : {&Loader::loadParts, &Loader::loadPalette, &Loader::loadPoints,
+                            &Loader::loadMorphs, &Loader::loadTextures, &Loader::loadLayers})
+      if (Status status = (this->*step)(); !status.ok()) return status;
+    return {};
+  }
+
+ private:
+  size_t vertices() const { return s_.geometry.positions.size(); }
+  size_t triangles() const { return s_.geometry.indices.size() / 3; }
+  size_t points() const { return s_.point_vertex.size(); }
+
+  Status loadParts() {
+    if (!a_.parts() || a_.parts()->size() == 0) return bad("it has no parts");
+    if (a_.influences() == 0 || a_.influences() > 255) return bad("its number of influences is out of range");
+    const size_t palette_size = a_.palette() ? a_.palette()->size() : 0;
+    for (const format::Part* part : *a_.parts()) {
+      PartGeometry geometry;
+      if (Status status = decodePart(*part, a_.influences(), geometry); !status.ok()) return status;
+      if (part->palette_begin() > palette_size ||
+          part->palette_count() > palette_size - part->palette_begin())
+        return bad("a part's palette is out of range");
+      Part out = {};
+      out.mesh = bytesOf(part->mesh());
+      out.material = bytesOf(part->material());
+      out.vertex_begin = static_cast<uint32_t>(vertices());
+      out.triangle_begin = static_cast<uint32_t>(triangles());
+      out.source_vertex_begin = out.vertex_begin;
+      out.texture_set = part->texture_set();
+      if (const format::Color* color = part->base_color())
+        out.base_color = {color->r(), color->g(), color->b(), color->a()};
+      if (!readAffine(part->rest(), out.rest)) return bad("a part's rest matrix is not sound");
+      out.has_normals = part->has_normals();
+      out.has_uvs = part->has_uvs();
+      append(geometry, out.vertex_begin, part->palette_begin());
+      if (vertices() >= kAbsent || s_.geometry.indices.size() >= kAbsent) return bad("too many vertices");
+      out.vertex_end = static_cast<uint32_t>(vertices());
+      out.triangle_end = static_cast<uint32_t>(triangles());
+      s_.parts.push_back(out);
+    }
+    return {};
+  }
+
+  void append(const PartGeometry& part, uint32_t first_vertex, uint32_t first_entry) {
+    PartGeometry& all = s_.geometry;
+    all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+    all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
+    all.tangents.insert(all.tangents.end(), part.tangents.begin(), part.tangents.end());
+    all.uvs.insert(all.uvs.end(), part.uvs.begin(), part.uvs.end());
+    all.weights.insert(all.weights.end(), part.weights.begin(), part.weights.end());
+    for (uint16_t joint : part.joints) all.joints.push_back(static_cast<uint16_t>(joint + first_entry));
+    for (uint32_t source : part.source) all.source.push_back(source + first_vertex);
+    for (uint32_t index : part.indices) all.indices.push_back(index + first_vertex);
+  }
+
+  Status loadPalette() {
+    if (!a_.palette() || a_.palette()->size() > kMaxPaletteEntries)
+      return bad("its palette is missing or too large");
+    for (const format::PaletteEntry* entry : *a_.palette()) {
+      PaletteEntry out = {bytesOf(entry->node()), entry->node_index(), {}};
+      if (!readAffine(entry->inverse_bind(), out.inverse_bind))
+        return bad("an inverse bind matrix is not sound");
+      s_.palette.push_back(out);
+    }
+    return {};
+  }
+
+  Status loadPoints() {
+    if (a_.points() == 0 || a_.points() > vertices()) return bad("its number of points is out of range");
+    if (Status status = decode<uint32_t>(a_.vertex_point(), 1, vertices(), s_.vertex_point); !status.ok())
+      return status;
+    s_.point_vertex.assign(a_.points(), kAbsent);
+    for (uint32_t v = 0; v < vertices(); ++v) {
+      if (s_.vertex_point[v] >= a_.points()) return bad("a point is out of range");
+      if (s_.point_vertex[s_.vertex_point[v]] == kAbsent) s_.point_vertex[s_.vertex_point[v]] = v;
+    }
+    if (std::find(s_.point_vertex.begin(), s_.point_vertex.end(), kAbsent) != s_.point_vertex.end())
+      return bad("a point has no vertex");
+    s_.surface_indices.resize(s_.geometry.indices.size());
+    for (size_t i = 0; i < s_.surface_indices.size(); ++i)
+      s_.surface_indices[i] = s_.point_vertex[s_.vertex_point[s_.geometry.indices[i]]];
+
+    if (Status status = decode<uint32_t>(a_.ring_offsets(), 1, points() + 1, s_.ring_offsets); !status.ok())
+      return status;
+    const uint32_t entries = s_.ring_offsets.back();
+    if (s_.ring_offsets.front() != 0 || !std::is_sorted(s_.ring_offsets.begin(), s_.ring_offsets.end()) ||
+        entries > 3 * triangles())
+      return bad("its rings are not sound");
+    if (Status status = decode<uint32_t>(a_.ring_triangles(), 1, entries, s_.ring_triangles); !status.ok())
+      return status;
+    if (Status status = decode<uint16_t>(a_.ring_weights(), 2, (size_t{entries} + 1) / 2, s_.ring_weights);
+        !status.ok())
+      return status;
+    s_.ring_weights.resize(entries);
+    for (uint32_t triangle : s_.ring_triangles)
+      if (triangle >= triangles()) return bad("a ring's triangle is out of range");
+    for (size_t p = 0; p < points(); ++p) {
+      uint32_t sum = 0;
+      for (uint32_t i = s_.ring_offsets[p]; i < s_.ring_offsets[p + 1]; ++i) sum += s_.ring_weights[i];
+      if (sum != 65535 && s_.ring_offsets[p] != s_.ring_offsets[p + 1])
+        return bad("a ring's weights do not sum to one");
+    }
+    return {};
+  }
+
+  Status loadMorphs() {
+    if (!a_.morphs()) return {};
+    if (a_.morphs()->size() > 65535) return bad("too many morph targets");
+    for (const format::Morph* morph : *a_.morphs()) {
+      const size_t count = streamCount(morph->vertices());
+      if (count > vertices()) return bad("a morph target has more vertices than the mesh");
+      Morph out = {bytesOf(morph->name()),
+                   morph->default_weight(),
+                   morph->position_step(),
+                   morph->normal_step(),
+                   {},
+                   {},
+                   {}};
+      if (!std::isfinite(out.default_weight) || !std::isfinite(out.position_step) ||
+          !std::isfinite(out.normal_step))
+        return bad("a morph target's numbers are not finite");
+      auto& ids = s_.words.emplace_back();
+      auto& deltas = s_.shorts.emplace_back();
+      if (Status status = decode<uint32_t>(morph->vertices(), 1, count, ids); !status.ok()) return status;
+      if (Status status = decode<int16_t>(morph->positions(), 4, count, deltas); !status.ok()) return status;
+      if (std::adjacent_find(ids.begin(), ids.end(), std::greater_equal<>()) != ids.end() ||
+          (count && ids.back() >= vertices()))
+        return bad("a morph target's vertices are out of order or range");
+      out.vertices = ids;
+      out.position_deltas = deltas;
+      if (streamCount(morph->normals()) > 0) {
+        auto& normals = s_.bytes.emplace_back();
+        if (Status status = decode<int8_t>(morph->normals(), 4, count, normals); !status.ok()) return status;
+        out.normal_deltas = normals;
+      }
+      s_.morphs.push_back(out);
+    }
+    gatherMorphs();
+    return {};
+  }
+
+  void gatherMorphs() {
+    if (s_.morphs.empty()) return;
+    auto& words = s_.morph_entries;
+    words.assign(vertices() + 1, 0);
+    size_t entries = 0;
+    for (const Morph& morph : s_.morphs) {
+      for (uint32_t vertex : morph.vertices) ++words[vertex + 1];
+      entries += morph.vertices.size();
+    }
+    for (size_t v = 0; v < vertices(); ++v) words[v + 1] += words[v];
+    std::vector<uint32_t> next(words.begin(), words.end() - 1);
+    words.resize(vertices() + 1 + 3 * entries);
+    for (size_t m = 0; m < s_.morphs.size(); ++m) {
+      const Morph& morph = s_.morphs[m];
+      for (size_t i = 0; i < morph.vertices.size(); ++i) {
+        uint32_t* entry = &words[vertices() + 1 + 3 * size_t{next[morph.vertices[i]]++}];
+        const auto half = [&](size_t c) {
+          return uint32_t{static_cast<uint16_t>(morph.position_deltas[4 * i + c])};
+        };
+        const auto byte = [&](size_t c) {
+          return morph.normal_deltas.empty() ? 0u
+                                             : uint32_t{static_cast<uint8_t>(morph.normal_deltas[4 * i + c])};
+        };
+        entry[0] = static_cast<uint32_t>(m) | half(2) << 16;
+        entry[1] = half(0) | half(1) << 16;
+        entry[2] = byte(0) | byte(1) << 8 | byte(2) << 16;
+      }
+    }
+  }
+
+  Status loadTexture(const format::Texture* texture, TextureFormat format, Texture& out) {
+    out = {format, 0, 0, 0, 0, {}};
+    if (!texture || texture->slices() == 0) return {};
+    const uint32_t w = texture->width();
+    const uint32_t h = texture->height();
+    if (texture->format() != static_cast<uint8_t>(format) || w == 0 || h == 0 || w > 16384 || h > 16384 ||
+        texture->slices() > 2 * kMaxLayers || texture->levels() == 0 || texture->levels() > 15)
+      return bad("a texture's size or format is out of range");
+    size_t bytes = 0;
+    for (uint32_t level = 0; level < texture->levels(); ++level)
+      bytes += textureLevelBytes(format, w, h, level) * texture->slices();
+    if (!texture->data() || texture->data()->size() != bytes) return bad("a texture has the wrong length");
+    out = {format, w, h, texture->slices(), texture->levels(), bytesOf(texture->data())};
+    return {};
+  }
+
+  Status loadTextures() {
+    const uint32_t layers = a_.layers() ? a_.layers()->size() : 0;
+    if (layers == 0 || layers > kMaxLayers) return bad("its number of layers is out of range");
+    for (size_t i = 0; a_.texture_sets() && i < a_.texture_sets()->size(); ++i) {
+      const format::TextureSet* set = a_.texture_sets()->Get(static_cast<uint32_t>(i));
+      TextureSet out = {};
+      out.name = bytesOf(set->name());
+      if (Status status = loadTexture(set->normals(), TextureFormat::kBc5, out.normals); !status.ok())
+        return status;
+      if (Status status = loadTexture(set->shading(), TextureFormat::kBc4, out.shading); !status.ok())
+        return status;
+      if (Status status = loadTexture(set->masks(), TextureFormat::kRgba8, out.masks); !status.ok())
+        return status;
+      if (out.shading.slices != out.normals.slices) return bad("normal and shading maps differ in number");
+      if (out.masks.slices != 0 && out.masks.slices != (layers + 3) / 4)
+        return bad("mask textures differ from the layers in number");
+      if (!set->compress_slice() || !set->stretch_slice() || set->compress_slice()->size() != layers ||
+          set->stretch_slice()->size() != layers)
+        return bad("a texture set names too few slices");
+      std::fill(std::begin(out.compress_slice), std::end(out.compress_slice), kAbsent);
+      std::fill(std::begin(out.stretch_slice), std::end(out.stretch_slice), kAbsent);
+      for (uint32_t l = 0; l < layers; ++l) {
+        out.compress_slice[l] = set->compress_slice()->Get(l);
+        out.stretch_slice[l] = set->stretch_slice()->Get(l);
+        for (uint32_t slice : {out.compress_slice[l], out.stretch_slice[l]})
+          if (slice != kAbsent && slice >= out.normals.slices) return bad("a layer's map is out of range");
+      }
+      s_.texture_sets.push_back(out);
+    }
+    for (const Part& part : s_.parts)
+      if (part.texture_set != kAbsent && part.texture_set >= s_.texture_sets.size())
+        return bad("a part's texture set is out of range");
+    return {};
+  }
+
+  Status loadLayers() {
+    for (const format::Layer* layer : *a_.layers()) {
+      if (layer->measure() > static_cast<uint8_t>(Measure::kNone) ||
+          layer->curve() > static_cast<uint8_t>(Curve::kOat))
+        return bad("a layer has an unknown measure or curve");
+      Layer out = {};
+      out.name = bytesOf(layer->name());
+      out.measure = static_cast<Measure>(layer->measure());
+      out.response = {static_cast<Curve>(layer->curve()), layer->lambda(), layer->beta(),
+                      layer->stretch_lambda(), layer->stretch_beta()};
+      for (float value : {layer->lambda(), layer->beta(), layer->stretch_lambda(), layer->stretch_beta()})
+        if (!(value > 0.0f) || !std::isfinite(value)) return bad("a layer's response is out of range");
+      if (Status status = loadLayerStreams(*layer, out); !status.ok()) return status;
+      out.mask_slice = layer->mask_slice();
+      out.driver_begin = static_cast<uint32_t>(s_.drivers.size());
+      for (size_t i = 0; layer->drivers() && i < layer->drivers()->size(); ++i) {
+        const format::Driver* driver = layer->drivers()->Get(static_cast<uint32_t>(i));
+        if (driver->morph() >= s_.morphs.size() || !std::isfinite(driver->gain()))
+          return bad("a driver is out of range");
+        s_.drivers.push_back({driver->morph(), driver->gain()});
+      }
+      out.driver_end = static_cast<uint32_t>(s_.drivers.size());
+      if (out.mask_slice != kAbsent && out.mask_slice >= kMaxLayers)
+        return bad("a layer's mask is out of range");
+      s_.layers.push_back(out);
+    }
+    return {};
+  }
+
+  Status loadLayerStreams(const format::Layer& layer, Layer& out) {
+    const uint32_t each = coefficientCount(out.measure);
+    if (each > 0) {
+      auto& coefficients = s_.floats.emplace_back();
+      if (Status status = decode<float>(layer.coefficients(), each, triangles(), coefficients); !status.ok())
+        return status;
+      for (float value : coefficients)
+        if (!std::isfinite(value)) return bad("a coefficient is not finite");
+      out.coefficients = coefficients;
+    }
+    if (streamCount(layer.directions()) > 0) {
+      auto& packed = s_.bytes.emplace_back();
+      if (Status status = decode<int8_t>(layer.directions(), 4, points(), packed); !status.ok())
+        return status;
+      out.directions = packed;
+    }
+    if (streamCount(layer.bias()) > 0) {
+      auto& bias = s_.shorts.emplace_back();
+      if (Status status = decode<int16_t>(layer.bias(), 2, (vertices() + 1) / 2, bias); !status.ok())
+        return status;
+      out.bias = std::span(bias).first(vertices());
+    }
+    if (streamCount(layer.mask()) > 0) {
+      auto& mask = s_.bytes.emplace_back();
+      if (Status status = decode<int8_t>(layer.mask(), 4, (vertices() + 3) / 4, mask); !status.ok())
+        return status;
+      out.mask = {reinterpret_cast<const uint8_t*>(mask.data()), vertices()};
+    }
+    return {};
+  }
+
+  Asset::Storage& s_;
+  const format::Asset& a_;
+};
+
+Status checkHeader(std::span<const std::byte> file, AssetHeader& header) {
+  if (file.size() < sizeof header) return bad("it is shorter than the header of a furrow asset");
+  std::memcpy(&header, file.data(), sizeof header);
+  if (std::memcmp(header.magic, kAssetMagic, sizeof header.magic) != 0)
+    return bad("it is not a furrow asset");
+  if (header.version != kFormatVersion)
+    return Status::error(StatusCode::kUnsupportedVersion,
+                         "it has format version %u, this furrow reads version %u", header.version,
+                         kFormatVersion);
+  if (header.reserved != 0 || header.payload_bytes != file.size() - sizeof header)
+    return bad("it is cut short or has bytes at its end");
+  const std::span<const std::byte> payload = file.subspan(sizeof header);
+  if (XXH3_64bits_withSeed(payload.data(), payload.size(), header.version) != header.payload_hash)
+    return bad("its checksum is wrong, a byte was changed");
+  return {};
+}
+
+}  // namespace
+
+Status Asset::load(std::span<const std::byte> file) try {
+  view_ = {};
+  storage_.reset();
+  AssetHeader header;
+  if (Status status = checkHeader(file, header); !status.ok()) return status;
+  auto storage = std::make_unique<Storage>();
+  storage->payload.assign(file.begin() + sizeof header, file.end());
+  const auto* bytes = reinterpret_cast<const uint8_t*>(storage->payload.data());
+  flatbuffers::Verifier verifier(bytes, storage->payload.size());
+  if (!format::VerifyAssetBuffer(verifier)) return bad("its tables are not sound");
+  const format::Asset& asset = *format::GetAsset(bytes);
+  if (Status status = Loader(*storage, asset).load(); !status.ok()) return status;
+
+  Storage& s = *storage;
+  view_ = {s.geometry.positions,
+           s.geometry.normals,
+           s.geometry.tangents,
+           s.geometry.uvs,
+           s.geometry.source,
+           s.vertex_point,
+           asset.influences(),
+           s.geometry.joints,
+           s.geometry.weights,
+           s.geometry.indices,
+           s.surface_indices,
+           s.point_vertex,
+           s.ring_offsets,
+           s.ring_triangles,
+           s.ring_weights,
+           s.morph_entries,
+           s.parts,
+           s.palette,
+           s.morphs,
+           s.layers,
+           s.drivers,
+           s.texture_sets,
+           bytesOf(asset.tool_version()),
+           bytesOf(asset.source()),
+           bytesOf(asset.rig()),
+           bytesOf(asset.place_hash()),
+           asset.position_error()};
+  storage_ = std::move(storage);
+  return {};
+} catch (const std::bad_alloc&) {
+  return Status::error(StatusCode::kOutOfMemory, "out of memory");
+}
+
+}  // namespace furrow

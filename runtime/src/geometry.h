@@ -1,0 +1,45 @@
+#pragma once
+
+// One part of an asset: from the integers the file holds to the floats the jobs read. The pipeline packs with
+// the same code, so that what it bakes from is what a game will see.
+
+#include <vector>
+
+#include "furrow/status.h"
+#include "furrow/types.h"
+
+namespace furrow {
+
+namespace format {
+struct Part;
+struct Stream;
+}  // namespace format
+
+struct PartGeometry {
+  std::vector<Float3> positions;
+  std::vector<Float3> normals;
+  std::vector<Float4> tangents;
+  std::vector<Float2> uvs;
+  std::vector<uint16_t> joints, weights;  // `influences` a vertex, joints relative to the part's palette
+  std::vector<uint32_t> source;           // relative to the part's first source vertex
+  std::vector<uint32_t> indices;          // relative to the part's first vertex
+};
+
+// Decodes and checks a part: every attribute present once with the right number of components, indices and
+// joints in range, floats finite, `source` a permutation, weights summing to 65535 and padded with zeros to
+// `influences`.
+Status decodePart(const format::Part& part, uint32_t influences, PartGeometry& out);
+
+// Decodes a stream of `stride`-byte elements; its count must be `count`. Null is a stream of no elements.
+Status decodeStream(const format::Stream* stream, uint32_t stride, size_t count, void* out);
+uint32_t streamCount(const format::Stream* stream);
+
+// Unit vectors as two integers of `bits` bits (octahedral map).
+Float3 decodeOctahedral(uint32_t u, uint32_t v, uint32_t bits);
+void encodeOctahedral(Float3 unit, uint32_t bits, uint32_t& u, uint32_t& v);
+
+// A tangent as its angle about the normal and, in the lowest bit, the sign of the bitangent.
+Float4 decodeTangent(Float3 normal, uint32_t code, uint32_t bits);
+uint32_t encodeTangent(Float3 normal, Float4 tangent, uint32_t bits);
+
+}  // namespace furrow

@@ -1,0 +1,309 @@
+// Pictures of a ball by hand. They are kept under the build folder's pictures/ for the eye; the tests look at
+// what must hold in them.
+
+#include "editor/preview/renderer.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <string>
+
+#include "tests/image/ball_asset.h"
+#include "tests/image/gl_fixture.h"
+
+namespace furrow::tests {
+namespace {
+
+using pipeline::Image;
+using preview::RenderOptions;
+using preview::Shading;
+using preview::Tier;
+using preview::View;
+
+constexpr uint32_t kSize = 192;
+
+struct Pose {
+  float down = 0.0f;   // of the upper half
+  float pinch = 0.0f;  // morph
+};
+
+RenderOptions optionsFor(View view, Shading shading = Shading::kInterpolated, float yaw = 0.0f) {
+  RenderOptions options;
+  options.width = options.height = kSize;
+  options.tier = Tier::kCpu;
+  options.view = view;
+  options.shading = shading;
+  options.camera.distance = 4.6f;
+  options.camera.yaw = yaw;
+  return options;
+}
+
+class RendererTest : public GlTest {
+ protected:
+  Image render(preview::Renderer& renderer, const RenderOptions& options, Pose pose = {}) {
+    palette_[1].m[7] = -pose.down;
+    morph_[0] = pose.pinch;
+    Image image = renderer.render(input(), options);
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    const std::filesystem::path folder(FURROW_PICTURES);
+    std::filesystem::create_directories(folder);
+    writeImage(folder / (std::string(info->name()) + "_" + std::to_string(pictures_++) + ".png"), image);
+    return image;
+  }
+
+  FrameInput input() {
+    FrameInput frame;
+    frame.palette = palette_;
+    frame.morph_weights = morph_;
+    return frame;
+  }
+
+  std::vector<Affine> palette_{2};
+  std::vector<float> morph_{0.0f};
+
+ private:
+  int pictures_ = 0;
+};
+
+float largestDifference(const Image& a, const Image& b) {
+  EXPECT_EQ(a.pixels.size(), b.pixels.size());
+  float largest = 0.0f;
+  for (size_t i = 0; i < a.pixels.size(); ++i)
+    largest = std::max(largest, std::abs(a.pixels[i] - b.pixels[i]));
+  return largest;
+}
+
+// How rough the picture is along one axis in a window given in parts of its size: the mean step between
+// neighbours.
+float roughness(const Image& image, float x0, float y0, float x1, float y1, bool vertical) {
+  double sum = 0.0;
+  int count = 0;
+  const auto at = [&](float part) { return static_cast<uint32_t>(part * static_cast<float>(kSize)); };
+  for (uint32_t y = at(y0); y < at(y1); ++y)
+    for (uint32_t x = at(x0); x < at(x1); ++x) {
+      sum += std::abs(image.at(x, y)[1] - (vertical ? image.at(x, y + 1) : image.at(x + 1, y))[1]);
+      ++count;
+    }
+  return static_cast<float>(sum / count);
+}
+
+glm::vec3 pixel(const Image& image, float x, float y) {
+  const float* p = image.at(static_cast<uint32_t>(x * kSize), static_cast<uint32_t>(y * kSize));
+  return {p[0], p[1], p[2]};
+}
+
+TEST_F(RendererTest, TiersDrawTheSamePicture) {
+  if (!support_.gpu) GTEST_SKIP() << support_.reason;
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  for (Pose pose : {Pose{}, Pose{0.25f, 0.5f}, Pose{-0.3f, 0.0f}}) {
+    RenderOptions options = optionsFor(View::kBeauty);
+    const Image cpu = render(renderer, options, pose);
+    options.tier = Tier::kGpu;
+    EXPECT_LE(largestDifference(render(renderer, options, pose), cpu), 2.5f / 255.0f);
+  }
+}
+
+TEST_F(RendererTest, SamePictureEveryTime) {
+  const BallAsset ball;
+  preview::Renderer first(ball.view()), second(ball.view());
+  const Image a = render(first, optionsFor(View::kBeauty), {0.2f, 0.4f});
+  render(first, optionsFor(View::kDirection), {0.0f, 1.0f});
+  EXPECT_EQ(render(first, optionsFor(View::kBeauty), {0.2f, 0.4f}).pixels, a.pixels);
+  EXPECT_EQ(render(second, optionsFor(View::kBeauty), {0.2f, 0.4f}).pixels, a.pixels);
+}
+
+TEST_F(RendererTest, SqueezeRaisesLinesAcrossItAndRestDoesNot) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const auto front = [](const Image& image, bool vertical) {
+    return roughness(image, 0.45f, 0.45f, 0.55f, 0.6f, vertical);
+  };
+  const float smooth = front(render(renderer, optionsFor(View::kBeauty, Shading::kNone), {0.25f, 0}), true);
+  const Image wrinkled = render(renderer, optionsFor(View::kBeauty), {0.25f, 0});
+  EXPECT_GT(front(wrinkled, true), 4.0f * smooth);  // horizontal lines, one below the other
+  EXPECT_GT(front(wrinkled, true), 3.0f * front(wrinkled, false));
+  // Every method shows them.
+  for (Shading shading : {Shading::kBlend, Shading::kAlpha})
+    EXPECT_GT(front(render(renderer, optionsFor(View::kBeauty, shading), {0.25f, 0}), true), 3.0f * smooth);
+  // At rest only the bias of "frown" on the left shows.
+  const Image rest = render(renderer, optionsFor(View::kBeauty)),
+              plain = render(renderer, optionsFor(View::kBeauty, Shading::kNone));
+  EXPECT_EQ(pixel(rest, 0.6f, 0.5f), pixel(plain, 0.6f, 0.5f));
+  EXPECT_LT(roughness(rest, 0.5f, 0.4f, 0.65f, 0.6f, true),
+            1.2f * roughness(plain, 0.5f, 0.4f, 0.65f, 0.6f, true));
+  // The other layer's lines run the other way.
+  const Image pinched = render(renderer, optionsFor(View::kBeauty), {0, 1.0f});
+  EXPECT_GT(roughness(pinched, 0.45f, 0.4f, 0.55f, 0.55f, false),
+            3.0f * roughness(pinched, 0.45f, 0.4f, 0.55f, 0.55f, true));
+}
+
+TEST_F(RendererTest, NothingWrinklesOutsideTheMask) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const Image wrinkled =
+      render(renderer, optionsFor(View::kBeauty, Shading::kInterpolated, 180.0f), {0.25f, 0});
+  const Image plain = render(renderer, optionsFor(View::kBeauty, Shading::kNone, 180.0f), {0.25f, 0});
+  EXPECT_LE(largestDifference(wrinkled, plain), 1.5f / 255.0f);
+}
+
+TEST_F(RendererTest, WeightViewIsBlueWhereStretchedAndRedWhereSqueezed) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const glm::vec3 squeezed = pixel(render(renderer, optionsFor(View::kWeight), {0.25f, 0}), 0.5f, 0.53f);
+  const glm::vec3 stretched = pixel(render(renderer, optionsFor(View::kWeight), {-0.25f, 0}), 0.5f, 0.47f);
+  const glm::vec3 rest = pixel(render(renderer, optionsFor(View::kWeight)), 0.5f, 0.5f);
+  EXPECT_GT(squeezed.r, squeezed.b + 0.3f);
+  EXPECT_GT(stretched.b, stretched.r + 0.3f);
+  EXPECT_NEAR(rest.r, rest.b, 0.01f);
+  EXPECT_NEAR(rest.r, rest.g, 0.01f);
+}
+
+TEST_F(RendererTest, ViewsShowMaskBiasAndConfidence) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const Image mask = render(renderer, optionsFor(View::kMask));
+  EXPECT_GT(pixel(mask, 0.5f, 0.5f).r, pixel(mask, 0.5f, 0.12f).r + 0.4f);
+  RenderOptions options = optionsFor(View::kBias);
+  options.layer = 1;
+  const Image bias = render(renderer, options);
+  EXPECT_GT(pixel(bias, 0.25f, 0.5f).r, pixel(bias, 0.25f, 0.5f).b + 0.3f);
+  EXPECT_NEAR(pixel(bias, 0.7f, 0.5f).r, pixel(bias, 0.7f, 0.5f).b, 0.01f);
+  const Image confidence = render(renderer, optionsFor(View::kConfidence));
+  EXPECT_GT(pixel(confidence, 0.5f, 0.5f).g, pixel(confidence, 0.5f, 0.12f).g + 0.3f);
+}
+
+TEST_F(RendererTest, StrokesRunAlongTheDirection) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  RenderOptions options = optionsFor(View::kDirection);
+  const Image upright = render(renderer, options);
+  options.layer = 1;
+  const Image level = render(renderer, options);
+  const auto steps = [](const Image& image, bool vertical) {
+    return roughness(image, 0.3f, 0.3f, 0.7f, 0.7f, vertical);
+  };
+  EXPECT_GT(steps(upright, false), 1.5f * steps(upright, true));
+  EXPECT_GT(steps(level, true), 1.5f * steps(level, false));
+}
+
+// The seam's two sides and the pole's many vertices show one colour: no step along the seam is larger than
+// beside it.
+TEST_F(RendererTest, PointViewShowsNoSeam) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const Image image = render(renderer, optionsFor(View::kPoint, Shading::kInterpolated, 180.0f));
+  float seam = 0.0f, beside = 0.0f;
+  for (uint32_t y = kSize / 4; y < 3 * kSize / 4; ++y)
+    for (uint32_t x = kSize / 2 - 24; x < kSize / 2 + 24; ++x) {
+      const float step = std::abs(image.at(x, y)[0] - image.at(x + 1, y)[0]);
+      float& largest = x >= kSize / 2 - 2 && x <= kSize / 2 + 1 ? seam : beside;
+      largest = std::max(largest, step);
+    }
+  EXPECT_LE(seam, beside * 1.2f);
+}
+
+TEST_F(RendererTest, WithoutMapsTheVerticesDarken) {
+  const BallAsset ball({.maps = false});
+  preview::Renderer renderer(ball.view());
+  const Image plain = render(renderer, optionsFor(View::kBeauty, Shading::kNone), {0.25f, 0});
+  const Image shaded = render(renderer, optionsFor(View::kBeauty), {0.25f, 0});
+  EXPECT_LT(pixel(shaded, 0.5f, 0.53f).g, pixel(plain, 0.5f, 0.53f).g - 0.1f);
+  EXPECT_EQ(pixel(shaded, 0.6f, 0.2f), pixel(plain, 0.6f, 0.2f));
+}
+
+TEST_F(RendererTest, MasksOfVerticesDoWhatMaskTexturesDo) {
+  const BallAsset textured, by_vertex({.masks = false});
+  preview::Renderer a(textured.view()), b(by_vertex.view());
+  const Image x = render(a, optionsFor(View::kBeauty), {0.2f, 0.3f}),
+              y = render(b, optionsFor(View::kBeauty), {0.2f, 0.3f});
+  double mean = 0.0;
+  for (size_t i = 0; i < x.pixels.size(); ++i) mean += std::abs(x.pixels[i] - y.pixels[i]);
+  EXPECT_LT(mean / static_cast<double>(x.pixels.size()), 0.002);
+}
+
+TEST_F(RendererTest, LongPictures) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  RenderOptions options = optionsFor(View::kMask);
+  options.width = 4096;
+  options.height = 32;
+  const Image wide = render(renderer, options);
+  EXPECT_EQ(wide.width, 4096u);
+  EXPECT_GT(wide.at(2048, 16)[0], 0.8f);
+  EXPECT_LT(wide.at(10, 16)[0], 0.3f);
+  EXPECT_EQ(wide.at(10, 16)[3], 1.0f);
+}
+
+TEST_F(RendererTest, RefusesWhatDoesNotFit) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const auto refuse = [&](const FrameInput& frame, const RenderOptions& options, const char* part) {
+    EXPECT_THAT([&] { renderer.render(frame, options); },
+                testing::ThrowsMessage<pipeline::Error>(testing::HasSubstr(part)));
+  };
+  RenderOptions options = optionsFor(View::kWeight);
+  options.layer = 2;
+  refuse(input(), options, "layer does not exist");
+  options = optionsFor(View::kBeauty);
+  options.width = 4097;
+  refuse(input(), options, "4097x192");
+  options.width = 0;
+  refuse(input(), options, "0x192");
+  options = optionsFor(View::kBeauty);
+  options.camera.distance = 0.0f;
+  refuse(input(), options, "camera");
+  FrameInput frame = input();
+  frame.palette = frame.palette.first(1);
+  refuse(frame, optionsFor(View::kBeauty), "palette");
+  frame = input();
+  frame.scale = NAN;
+  refuse(frame, optionsFor(View::kBeauty), "scale");
+  frame = input();
+  frame.morph_weights = {};
+  refuse(frame, optionsFor(View::kBeauty), "morph");
+}
+
+TEST(CameraTest, FitsTightlyFromEverySide) {
+  const BallAsset ball({.maps = false});
+  const auto positions = ball.view().positions;
+  for (float aspect : {0.5f, 1.0f, 2.4f})
+    for (float yaw : {0.0f, 70.0f, -160.0f})
+      for (float pitch : {-89.0f, 0.0f, 35.0f}) {
+        const preview::Camera camera = preview::fitCamera(positions, aspect, yaw, pitch);
+        const preview::CameraFrame frame = preview::cameraFrame(camera, aspect);
+        float reach = 0.0f;
+        for (const Float3& p : positions) {
+          const glm::vec4 clip = frame.view_projection * glm::vec4(p.x, p.y, p.z, 1.0f);
+          ASSERT_GT(clip.w, 0.0f);
+          ASSERT_LE(std::abs(clip.z), clip.w);
+          reach = std::max(reach, std::max(std::abs(clip.x), std::abs(clip.y)) / clip.w);
+        }
+        EXPECT_LT(reach, 1.0f);
+        EXPECT_GT(reach, 0.9f);
+      }
+}
+
+TEST(CameraTest, YawZeroSeesTheFront) {
+  const preview::CameraFrame frame = preview::cameraFrame({}, 1.0f);
+  EXPECT_NEAR(frame.eye.z, 1.0f, 1e-6f);
+  EXPECT_NEAR(frame.right.x, 1.0f, 1e-6f);
+  EXPECT_NEAR(preview::cameraFrame({.yaw = 90.0f}, 1.0f).eye.x, 1.0f, 1e-6f);
+  EXPECT_NEAR(preview::cameraFrame({.pitch = 90.0f}, 1.0f).eye.y, 1.0f, 1e-6f);
+}
+
+TEST(CameraTest, LeavesOutWhatIsNotFinite) {
+  const std::vector<Float3> positions = {{0, 0, 0}, {1, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}};
+  const preview::Camera camera = preview::fitCamera(positions, 1.0f, 0.0f, 0.0f);
+  EXPECT_NEAR(camera.target.x, 0.5f, 1e-5f);
+  EXPECT_NEAR(camera.target.y, 0.5f, 1e-5f);
+  EXPECT_TRUE(std::isfinite(camera.distance));
+  EXPECT_GT(preview::fitCamera({}, 1.0f, 0.0f, 0.0f).distance, 0.0f);
+}
+
+}  // namespace
+}  // namespace furrow::tests

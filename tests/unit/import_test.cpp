@@ -1,0 +1,725 @@
+#include "pipeline/import/import.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <random>
+
+#include "pipeline/error.h"
+#include "pipeline/scene/posing.h"
+#include "tests/unit/gltf_builder.h"
+
+namespace furrow::pipeline {
+namespace {
+
+using test::GltfBuilder;
+using test::writeFile;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+namespace fs = std::filesystem;
+
+fs::path corpus(const std::string& file) {
+  return fs::path(FURROW_CORPUS) / file;
+}
+
+#define SKIP_WITHOUT(file) \
+  if (!fs::exists(corpus(file))) GTEST_SKIP() << corpus(file) << " is not here"
+
+SourceScene importText(const std::string& name, const std::string& bytes) {
+  return import(writeFile(name, bytes));
+}
+
+// The message with which a file is refused, which must name it.
+std::string refusal(const fs::path& file) {
+  try {
+    import(file);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit(), Exit::kBadData) << e.what();
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+    EXPECT_THAT(e.what(), ::testing::StartsWith(file.string() + ": "));
+    return e.what();
+  }
+  ADD_FAILURE() << file << " was imported";
+  return {};
+}
+std::string refusalOf(const std::string& name, const std::string& bytes) {
+  return refusal(writeFile(name, bytes));
+}
+
+struct Counts {
+  size_t vertices = 0, triangles = 0, primitives = 0, morphs = 0, joints = 0, clips = 0;
+  bool operator==(const Counts&) const = default;
+};
+void PrintTo(const Counts& c, std::ostream* out) {
+  *out << c.vertices << " v, " << c.triangles << " tri, " << c.primitives << " prim, " << c.morphs
+       << " morphs, " << c.joints << " joints, " << c.clips << " clips";
+}
+Counts count(const SourceScene& scene) {
+  Counts counts;
+  counts.primitives = scene.primitives.size();
+  for (const Primitive& primitive : scene.primitives) {
+    counts.vertices += primitive.positions.size();
+    counts.triangles += primitive.indices.size() / 3;
+  }
+  counts.morphs = scene.rig.morphs.size();
+  for (const Part& part : scene.parts)
+    if (part.skinned) counts.joints = std::max<size_t>(counts.joints, part.palette_count);
+  counts.clips = scene.rig.clips.size();
+  return counts;
+}
+
+bool finite(float value) {
+  return std::isfinite(value);
+}
+
+// What source_scene.h and rig.h promise of every scene.
+void expectSound(const SourceScene& scene) {
+  ASSERT_FALSE(scene.parts.empty());
+  ASSERT_FALSE(scene.dependencies.empty());
+  EXPECT_EQ(scene.dependencies[0], scene.file);
+  const Rig& rig = scene.rig;
+  for (const Node& node : rig.nodes) ASSERT_TRUE(node.parent == kNoIndex || node.parent < rig.nodes.size());
+  for (const PaletteEntry& entry : rig.palette) ASSERT_LT(entry.node, rig.nodes.size());
+  for (const Primitive& primitive : scene.primitives) {
+    const size_t n = primitive.positions.size();
+    ASSERT_FALSE(primitive.indices.empty());
+    ASSERT_EQ(primitive.indices.size() % 3, 0u);
+    for (const uint32_t index : primitive.indices) ASSERT_LT(index, n);
+    for (const glm::vec3& p : primitive.positions) ASSERT_TRUE(finite(p.x) && finite(p.y) && finite(p.z));
+    ASSERT_TRUE(primitive.normals.empty() || primitive.normals.size() == n);
+    ASSERT_TRUE(primitive.tangents.empty() || primitive.tangents.size() == n);
+    ASSERT_TRUE(primitive.uvs.empty() || primitive.uvs.size() == n);
+    for (const Attribute& attribute : primitive.attributes) {
+      ASSERT_EQ(attribute.values.size(), n * attribute.components);
+      ASSERT_TRUE(std::all_of(attribute.values.begin(), attribute.values.end(), finite));
+    }
+    ASSERT_EQ(primitive.joints.size(), n * primitive.influences);
+    ASSERT_EQ(primitive.weights.size(), n * primitive.influences);
+    for (size_t v = 0; v < n && primitive.influences > 0; ++v) {
+      double sum = 0.0;
+      for (size_t i = v * primitive.influences; i < (v + 1) * primitive.influences; ++i) {
+        ASSERT_GE(primitive.weights[i], 0.0f);
+        sum += static_cast<double>(primitive.weights[i]);
+      }
+      ASSERT_NEAR(sum, 1.0, 2e-6);
+    }
+    for (const MorphDelta& morph : primitive.morphs) {
+      ASSERT_EQ(morph.positions.size(), morph.vertices.size());
+      ASSERT_TRUE(morph.normals.empty() || morph.normals.size() == morph.vertices.size());
+      for (size_t i = 0; i < morph.vertices.size(); ++i) {
+        ASSERT_LT(morph.vertices[i], n);
+        if (i > 0) {
+          ASSERT_LT(morph.vertices[i - 1], morph.vertices[i]);
+        }
+      }
+    }
+  }
+  for (const Part& part : scene.parts) {
+    ASSERT_LT(part.primitive, scene.primitives.size());
+    ASSERT_LT(part.node, rig.nodes.size());
+    ASSERT_TRUE(part.material == kNoIndex || part.material < scene.materials.size());
+    ASSERT_LE(size_t{part.palette_begin} + part.palette_count, rig.palette.size());
+    const Primitive& primitive = scene.primitives[part.primitive];
+    ASSERT_LE(part.first_morph + primitive.morphs.size(), rig.morphs.size());
+    for (size_t m = 0; m < primitive.morphs.size(); ++m) {
+      ASSERT_EQ(rig.morphs[part.first_morph + m].node, part.node);
+      ASSERT_EQ(rig.morphs[part.first_morph + m].index, m);
+    }
+    if (part.skinned) {
+      for (const uint16_t joint : primitive.joints) ASSERT_LT(joint, part.palette_count);
+    }
+  }
+  for (const Clip& clip : rig.clips) {
+    for (const Channel& channel : clip.channels) {
+      ASSERT_LT(channel.node, rig.nodes.size());
+      ASSERT_FALSE(channel.times.empty());
+      for (size_t k = 1; k < channel.times.size(); ++k) ASSERT_LT(channel.times[k - 1], channel.times[k]);
+      ASSERT_EQ(channel.values.size() % channel.times.size(), 0u);
+      ASSERT_LE(static_cast<double>(channel.times.back()), clip.duration);
+    }
+    Pose pose = defaultPose(rig);
+    applyClip(rig, clip, 0.4 * clip.duration, pose);
+    const PosedRig posed = evaluate(rig, pose);
+    for (const Part& part : scene.parts)
+      ASSERT_EQ(posePart(scene, part, posed).size(), scene.primitives[part.primitive].positions.size());
+  }
+}
+
+// One triangle at (0, 0, 0), (1, 0, 0), (0, 1, 0) as accessor 0.
+GltfBuilder triangleFile() {
+  GltfBuilder file;
+  file.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  return file;
+}
+std::string shown(const std::string& primitive, const std::string& more = "") {
+  return R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0,"meshes":[{"primitives":[)" + primitive +
+         "]}]" + (more.empty() ? "" : "," + more);
+}
+const char* const kTriangle = R"({"attributes":{"POSITION":0}})";
+
+// A file with everything that a reader has to follow: indices, skin, sparse morph target, clip, colours.
+GltfBuilder fullFile() {
+  GltfBuilder file;
+  file.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, "VEC3", 3);                        // 0
+  file.add<uint16_t>({0, 1, 2, 2, 1, 3}, "SCALAR", 1);                                     // 1
+  file.add<uint8_t>({0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}, "VEC4", 4);          // 2
+  file.add<float>({.5f, .5f, 0, 0, 1, 0, 0, 0, .25f, .75f, 0, 0, 1, 0, 0, 0}, "VEC4", 4);  // 3
+  file.add<float>(
+      {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1},
+      "MAT4", 16);  // 4
+  const int index_view = file.addView<uint16_t>({1, 3});
+  const int value_view = file.addView<float>({0, 0, 1, 0, 0, 2});
+  file.addAccessor(
+      R"("componentType":5126,"count":4,"type":"VEC3","sparse":{"count":2,"indices":{"bufferView":)" +
+      std::to_string(index_view) + R"(,"componentType":5123},"values":{"bufferView":)" +
+      std::to_string(value_view) + "}}");                            // 5
+  file.add<float>({0, 1, 2}, "SCALAR", 1);                           // 6
+  file.add<float>({0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 1}, "VEC4", 4);  // 7
+  file.add<float>({0, 1, 0}, "SCALAR", 1);                           // 8
+  file.add<uint8_t>({255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 0, 0, 0, 0}, "VEC4", 4,
+                    R"(,"normalized":true)");
+  return file;
+}
+const char* const kFull =
+    R"("nodes":[{"mesh":0,"skin":0,"name":"body"},{"children":[2]},{"translation":[0,1,0]}],
+  "scenes":[{"nodes":[0,1]}],"scene":0,"materials":[{"name":"skin","pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0.25,1]}}],
+  "meshes":[{"name":"Body","extras":{"targetNames":["blink"]},"weights":[0.5],"primitives":[{"material":0,"indices":1,
+    "attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3,"COLOR_0":9},"targets":[{"POSITION":5}]}]}],
+  "skins":[{"joints":[1,2],"inverseBindMatrices":4}],
+  "animations":[{"name":"nod","channels":[{"sampler":0,"target":{"node":2,"path":"rotation"}},
+    {"sampler":1,"target":{"node":0,"path":"weights"}}],
+    "samplers":[{"input":6,"output":7},{"input":6,"output":8,"interpolation":"STEP"}]}])";
+
+TEST(Import, ReadsAWholeFile) {
+  const SourceScene scene = importText("full.glb", fullFile().glb(kFull));
+  expectSound(scene);
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  EXPECT_EQ(count(scene), (Counts{4, 2, 1, 1, 2, 1}));
+  const Primitive& primitive = scene.primitives[0];
+  EXPECT_THAT(primitive.indices, ElementsAre(0, 1, 2, 2, 1, 3));
+  EXPECT_THAT(primitive.morphs[0].vertices, ElementsAre(1, 3));
+  EXPECT_EQ(primitive.morphs[0].positions[1], glm::vec3(0, 0, 2));
+  ASSERT_EQ(primitive.attributes.size(), 1u);
+  EXPECT_EQ(primitive.attributes[0].name, "COLOR_0");
+  EXPECT_EQ(primitive.attributes[0].values[0], 1.0f);
+  EXPECT_EQ(scene.rig.morphs[0].name, "blink");
+  EXPECT_EQ(scene.rig.morphs[0].default_weight, 0.5);
+  EXPECT_EQ(scene.materials[0].base_color, glm::vec4(1, 0.5, 0.25, 1));
+  EXPECT_EQ(scene.parts[0].mesh, "Body");
+  EXPECT_EQ(scene.rig.clips[0].duration, 2.0);
+}
+
+TEST(Import, GltfWithFilesAndDataUris) {
+  const GltfBuilder file = fullFile();
+  writeFile("full buffer.bin", file.bin());
+  const SourceScene scene = importText("external.gltf", file.json(kFull, "full%20buffer.bin"));
+  expectSound(scene);
+  ASSERT_EQ(scene.dependencies.size(), 2u);
+  EXPECT_EQ(scene.dependencies[1].filename(), "full buffer.bin");
+  EXPECT_THAT(refusalOf("missing.gltf", file.json(kFull, "nowhere.bin")), HasSubstr("nowhere.bin"));
+
+  // (0, 0, 0), (1, 0, 0), (0, 1, 0) in base64.
+  const char* uri = "data:application/gltf-buffer;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+  EXPECT_EQ(importText("data.gltf", triangleFile().json(shown(kTriangle), uri)).primitives[0].positions[2],
+            glm::vec3(0, 1, 0));
+  EXPECT_THAT(refusalOf("short.gltf", fullFile().json(kFull, uri)), HasSubstr("cut off"));
+}
+
+TEST(Import, ImagesNeedNotExist) {
+  const SourceScene scene = importText(
+      "images.glb", triangleFile().glb(shown(kTriangle, R"("images":[{"uri":"gone.png"},{"bufferView":7}],
+        "textures":[{"source":0}],"materials":[{"normalTexture":{"index":0}}])")));
+  EXPECT_EQ(scene.materials.size(), 1u);
+}
+
+TEST(Import, StripsAndFansBecomeLists) {
+  GltfBuilder file;
+  file.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}, "VEC3", 3);
+  const auto indices = [&](int mode) {
+    return importText("mode.glb",
+                      file.glb(shown(R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}")))
+        .primitives[0]
+        .indices;
+  };
+  EXPECT_THAT(indices(4), ElementsAre(0, 1, 2));
+  EXPECT_THAT(indices(5), ElementsAre(0, 1, 2, 1, 3, 2, 2, 3, 4));
+  EXPECT_THAT(indices(6), ElementsAre(1, 2, 0, 2, 3, 0, 3, 4, 0));
+  EXPECT_THAT(refusalOf("lines.glb", file.glb(shown(R"({"attributes":{"POSITION":0},"mode":1})"))),
+              HasSubstr("no triangles"));
+}
+
+TEST(Import, OneMeshShownTwiceIsOnePrimitive) {
+  const SourceScene scene = importText(
+      "twice.glb",
+      triangleFile().glb(
+          R"("nodes":[{"mesh":0},{"mesh":0,"translation":[1,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])"));
+  EXPECT_EQ(scene.primitives.size(), 1u);
+  ASSERT_EQ(scene.parts.size(), 2u);
+  EXPECT_NE(scene.parts[0].palette_begin, scene.parts[1].palette_begin);
+}
+
+TEST(Import, OnlyTheDefaultSceneIsShown) {
+  const SourceScene scene = importText(
+      "scene.glb",
+      triangleFile().glb(
+          R"("nodes":[{"mesh":0},{"children":[2]},{"mesh":0}],"scenes":[{"nodes":[0]},{"nodes":[1]}],"scene":1,
+         "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])"));
+  ASSERT_EQ(scene.parts.size(), 1u);
+  EXPECT_EQ(scene.parts[0].node, 2u);
+}
+
+TEST(Import, MeshesThatNoNodeShowsGetNodes) {
+  const SourceScene scene = importText(
+      "nodeless.glb",
+      triangleFile().glb(R"("meshes":[{"name":"M","primitives":[{"attributes":{"POSITION":0}}]}])"));
+  expectSound(scene);
+  EXPECT_EQ(scene.rig.nodes.at(scene.parts[0].node).name, "M");
+}
+
+TEST(Import, SparseReplacesWithAndWithoutBase) {
+  GltfBuilder file = triangleFile();
+  const int indices = file.addView<uint8_t>({1, 2});
+  const int values = file.addView<float>({5, 0, 0, 0, 6, 0});
+  const std::string sparse =
+      R"("componentType":5126,"count":3,"type":"VEC3","sparse":{"count":2,"indices":{"bufferView":)" +
+      std::to_string(indices) + R"(,"componentType":5121},"values":{"bufferView":)" + std::to_string(values) +
+      "}}";
+  file.addAccessor(R"("bufferView":0,)" + sparse);
+  file.addAccessor(sparse);
+  const SourceScene scene =
+      importText("sparse.glb", file.glb(shown(R"({"attributes":{"POSITION":1,"NORMAL":2}})")));
+  const Primitive& primitive = scene.primitives[0];
+  EXPECT_EQ(primitive.positions[0], glm::vec3(0, 0, 0));
+  EXPECT_EQ(primitive.positions[1], glm::vec3(5, 0, 0));
+  EXPECT_EQ(primitive.normals[0], glm::vec3(0, 0, 0));
+  EXPECT_EQ(primitive.normals[2], glm::vec3(0, 6, 0));
+}
+
+TEST(Import, QuantisedAndNormalisedNumbers) {
+  GltfBuilder file;
+  file.add<int16_t>({0, 0, 0, 0, 32767, 0, 0, 0, 0, -32768, 0, 0}, "VEC3", 4, R"(,"normalized":true)");
+  file.add<uint8_t>({0, 255, 51, 0, 0, 0}, "VEC2", 2, R"(,"normalized":true)");
+  file.add<int8_t>({127, -128, -127, 0, 1, 2, 3, 4, 5, 6, 7, 8}, "VEC4", 4);
+  std::string text = file.glb(
+      shown(R"({"attributes":{"POSITION":0,"TEXCOORD_0":1,"_RAW":2}})",
+            R"("extensionsUsed":["KHR_mesh_quantization"],"extensionsRequired":["KHR_mesh_quantization"])"));
+  // Four shorts an element, of which three count.
+  const std::string from = R"({"buffer":0,"byteOffset":0,"byteLength":24})";
+  std::string to = R"({"buffer":0,"byteStride":8,"byteLength":24})";
+  text.replace(text.find(from), from.size(), to.append(from.size() - to.size(), ' '));
+  const Primitive primitive = importText("quantised.glb", text).primitives.at(0);
+  EXPECT_EQ(primitive.positions[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(primitive.positions[2], glm::vec3(0, -1, 0));
+  EXPECT_EQ(primitive.uvs[0], glm::vec2(0, 1));
+  EXPECT_FLOAT_EQ(primitive.uvs[1].x, 0.2f);
+  EXPECT_EQ(primitive.attributes.at(0).values[1], -128.0f);
+}
+
+TEST(Import, AnyNumberOfInfluencesAndOddWeights) {
+  GltfBuilder file = triangleFile();
+  file.add<uint8_t>({0, 1, 2, 0, 1, 0, 0, 0, 2, 0, 0, 0}, "VEC4", 4);
+  file.add<float>({.25f, .25f, .25f, 0, 0, 0, 0, 0, 2, 0, 0, 0}, "VEC4", 4);
+  file.add<uint16_t>({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+  file.add<float>({.25f, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0}, "VEC4", 4);
+  const SourceScene scene = importText(
+      "influences.glb",
+      file.glb(
+          R"("nodes":[{"mesh":0,"skin":0},{},{},{}],"skins":[{"joints":[1,2,3]}],"meshes":[{"primitives":[
+        {"attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2,"JOINTS_1":3,"WEIGHTS_1":4}}]}])"));
+  expectSound(scene);
+  const Primitive& primitive = scene.primitives[0];
+  ASSERT_EQ(primitive.influences, 8u);
+  EXPECT_EQ(primitive.joints[4], 1u);
+  EXPECT_EQ(primitive.weights[4], 0.25f);
+  // No weight at all: the first joint. Too much weight: scaled.
+  EXPECT_EQ(primitive.joints[8], 1u);
+  EXPECT_EQ(primitive.weights[8], 1.0f);
+  EXPECT_EQ(primitive.weights[16], 1.0f);
+  EXPECT_EQ(scene.warnings.size(), 2u);
+}
+
+TEST(Import, BrokenClipsAreLeftOutAndRepeatedKeysMerged) {
+  GltfBuilder file = triangleFile();
+  file.add<float>({0, 1, 1, 2}, "SCALAR", 1);
+  file.add<float>({0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0}, "VEC3", 3);
+  file.add<float>({0, 2, 1, 3}, "SCALAR", 1);
+  const SourceScene scene = importText("clips.glb", file.glb(shown(kTriangle,
+                                                                   R"("animations":[
+        {"name":"good","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"samplers":[{"input":1,"output":2}]},
+        {"name":"back","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"samplers":[{"input":3,"output":2}]},
+        {"name":"pointer","channels":[{"sampler":0,"target":{"path":"pointer"}}],"samplers":[{"input":1,"output":2}]},
+        {"name":"nothing","channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}],"samplers":[{"input":1,"output":1}]}])")));
+  expectSound(scene);
+  ASSERT_EQ(scene.rig.clips.size(), 1u);
+  const Channel& channel = scene.rig.clips[0].channels[0];
+  EXPECT_THAT(channel.times, ElementsAre(0, 1, 2));
+  EXPECT_THAT(channel.values, ElementsAre(0, 0, 0, 2, 0, 0, 3, 0, 0));
+  EXPECT_THAT(scene.warnings, ::testing::Contains(HasSubstr("backwards")));
+  EXPECT_THAT(scene.warnings, ::testing::Contains(HasSubstr("\"pointer\"")));
+}
+
+TEST(Import, RefusesWhatIsNoModel) {
+  EXPECT_THAT(refusal("/no/such/file.glb"), HasSubstr("no such file"));
+  EXPECT_THAT(refusal(fs::path(::testing::TempDir())), HasSubstr("directory"));
+  EXPECT_THAT(refusalOf("empty.glb", ""), HasSubstr("empty"));
+  EXPECT_THAT(refusalOf("text.glb", "hello, this is no model"), HasSubstr("not glTF"));
+  EXPECT_THAT(refusalOf("picture.png", "\x89PNG"), HasSubstr("not a format"));
+  EXPECT_THAT(refusalOf("other.gltf", R"({"hello":1})"), HasSubstr("asset"));
+  EXPECT_THAT(refusalOf("one.gltf", R"({"asset":{"version":"1.0"}})"), HasSubstr("1.0"));
+  EXPECT_THAT(refusalOf("void.gltf", R"({"asset":{"version":"2.0"}})"), HasSubstr("no triangles"));
+  EXPECT_THAT(refusalOf("open.gltf", R"({"asset":{"version":"2.0"})"), HasSubstr("JSON"));
+  EXPECT_THAT(refusalOf("deep.gltf", R"({"asset":{"version":"2.0"},"extras":)" + std::string(100000, '[')),
+              HasSubstr("nested"));
+  EXPECT_THAT(refusalOf("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("no faces"));
+}
+
+TEST(Import, RefusesBrokenGltf) {
+  const auto refuse = [](const GltfBuilder& file, const std::string& primitive,
+                         const std::string& more = "") {
+    return refusalOf("broken.glb", file.glb(shown(primitive, more)));
+  };
+  GltfBuilder file = triangleFile();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const int far_index = file.add<uint32_t>({0, 1, 3}, "SCALAR", 1);
+  const int not_finite = file.add<float>({0, 0, 0, 1, 0, nan, 0, 1, 0}, "VEC3", 3);
+  const int shorts = file.add<int16_t>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  const int two = file.add<float>({0, 0, 0, 1}, "VEC2", 2);
+  const int joints = file.add<uint8_t>({0, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+  const int weights = file.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+  const int too_long = file.addAccessor(R"("bufferView":0,"componentType":5126,"count":4,"type":"VEC3")");
+  const int behind =
+      file.addAccessor(R"("bufferView":0,"byteOffset":4,"componentType":5126,"count":3,"type":"VEC3")");
+  const int huge = file.addAccessor(R"("componentType":5126,"count":4000000000,"type":"VEC3")");
+  const int sparse_far = file.addAccessor(
+      R"("componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"byteOffset":8,"componentType":5125},"values":{"bufferView":0}})");
+  const int sparse_huge = file.addAccessor(
+      R"("componentType":5126,"count":3,"type":"VEC3","sparse":{"count":2000000000,"indices":{"bufferView":1,"componentType":5125},"values":{"bufferView":0}})");
+  const int no_view = file.addAccessor(R"("bufferView":99,"componentType":5126,"count":3,"type":"VEC3")");
+  const int bad_type = file.addAccessor(R"("bufferView":0,"componentType":5127,"count":3,"type":"VEC3")");
+
+  const auto at = [](int accessor) {
+    return R"({"attributes":{"POSITION":)" + std::to_string(accessor) + "}}";
+  };
+  EXPECT_THAT(refuse(file, R"({"attributes":{"POSITION":0},"indices":)" + std::to_string(far_index) + "}"),
+              HasSubstr("index 3 of 3"));
+  EXPECT_THAT(refuse(file, at(not_finite)), HasSubstr("not finite"));
+  EXPECT_THAT(refuse(file, at(shorts)), HasSubstr("KHR_mesh_quantization"));
+  EXPECT_THAT(refuse(file, at(two)), HasSubstr("2 components"));
+  EXPECT_THAT(refuse(file, at(too_long)), HasSubstr("behind the end"));
+  EXPECT_THAT(refuse(file, at(behind)), HasSubstr("behind the end"));
+  EXPECT_THAT(refuse(file, at(huge)), HasSubstr("more elements than the file has bytes"));
+  EXPECT_THAT(refuse(file, at(sparse_far)), HasSubstr("sparse"));
+  EXPECT_THAT(refuse(file, at(sparse_huge)), HasSubstr("sparse"));
+  EXPECT_THAT(refuse(file, at(no_view)), HasSubstr("buffer view 99 does not exist"));
+  EXPECT_THAT(refuse(file, at(bad_type)), HasSubstr("component type"));
+  EXPECT_THAT(refuse(file, at(-1)), HasSubstr("accessor -1 does not exist"));
+  EXPECT_THAT(refuse(file, R"({"attributes":{"POSITION":4294967296}})"), HasSubstr("number of an accessor"));
+  EXPECT_THAT(refuse(file, R"({"attributes":{"POSITION":0,"NORMAL":)" + std::to_string(two) + "}}"),
+              HasSubstr("NORMAL"));
+  EXPECT_THAT(refuse(file, R"({"attributes":{"POSITION":0},"material":0})"), HasSubstr("material"));
+  EXPECT_THAT(refuse(file, R"({"attributes":{"POSITION":0},"mode":7})"), HasSubstr("mode 7"));
+  EXPECT_THAT(refuse(file, R"({"attributes":{"POSITION":0},"targets":[{"POSITION":50}]})"),
+              HasSubstr("accessor 50 does not exist"));
+  EXPECT_THAT(
+      refuse(
+          file,
+          R"({"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}})"),
+      HasSubstr("Draco"));
+  EXPECT_THAT(
+      refuse(
+          file,
+          R"({"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{"bufferView":77,"attributes":{}}}})"),
+      HasSubstr("77"));
+  EXPECT_THAT(refuse(file, kTriangle, R"("extensionsRequired":["EXT_mesh_gpu_instancing"])"),
+              HasSubstr("EXT_mesh_gpu_instancing"));
+
+  const std::string skinned =
+      R"("skins":[{"joints":[1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":)" +
+      std::to_string(joints) + R"(,"WEIGHTS_0":)" + std::to_string(weights) + "}}]}]";
+  EXPECT_THAT(refusalOf("joints.glb", file.glb(R"("nodes":[{"mesh":0,"skin":0},{}],)" + skinned)),
+              HasSubstr("joint 9"));
+  EXPECT_THAT(refusalOf("skin.glb", file.glb(R"("nodes":[{"mesh":0,"skin":5},{}],)" + skinned)),
+              HasSubstr("skin"));
+  const std::string mesh = R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])";
+  EXPECT_THAT(
+      refusalOf("cycle.glb", file.glb(R"("nodes":[{"mesh":0,"children":[1]},{"children":[0]}])" + mesh)),
+      HasSubstr("ancestor"));
+  EXPECT_THAT(
+      refusalOf("parents.glb", file.glb(R"("nodes":[{"mesh":0},{"children":[0]},{"children":[0]}])" + mesh)),
+      HasSubstr("two parents"));
+  EXPECT_THAT(refusalOf("child.glb", file.glb(R"("nodes":[{"mesh":0,"children":[8]}])" + mesh)),
+              HasSubstr("child"));
+  EXPECT_THAT(refusalOf("mesh.glb", file.glb(R"("nodes":[{"mesh":3}])" + mesh)), HasSubstr("mesh"));
+}
+
+double area(const SourceScene& scene) {
+  double sum = 0.0;
+  for (const Primitive& p : scene.primitives)
+    for (size_t i = 0; i < p.indices.size(); i += 3) {
+      const glm::dvec3 a(p.positions[p.indices[i]]), b(p.positions[p.indices[i + 1]]),
+          c(p.positions[p.indices[i + 2]]);
+      sum += 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+  return sum;
+}
+
+TEST(Import, ObjSplitsVerticesAtSeamsAndKeepsMaterials) {
+  const SourceScene scene =
+      importText("seam.obj",
+                 "mtllib nowhere.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 9 9 9\n"
+                 "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.5 0.5\nvn 0 0 1\n"
+                 "usemtl skin\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
+                 "usemtl lips\nf -5/5/1 -2/1/1 -4/3/1\nusemtl skin\nf 2/5/1 \\\n 5/1/1 3/3/1\n");
+  expectSound(scene);
+  ASSERT_EQ(scene.materials.size(), 2u);
+  EXPECT_EQ(scene.materials[0].name, "skin");
+  EXPECT_EQ(scene.materials[1].name, "lips");
+  const Primitive& skin = scene.primitives[0];
+  // The second vertex comes twice, with UV (1, 0) and (0.5, 0.5).
+  ASSERT_EQ(skin.positions.size(), 6u);
+  EXPECT_EQ(skin.positions[1], skin.positions[2]);
+  EXPECT_EQ(skin.uvs[1], glm::vec2(1, 0));
+  EXPECT_EQ(skin.uvs[2], glm::vec2(0.5, 0.5));
+  EXPECT_EQ(skin.normals[0], glm::vec3(0, 0, 1));
+  EXPECT_EQ(skin.indices.size(), 9u);
+  EXPECT_EQ(scene.primitives[1].positions.size(), 3u);
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("1 vertices belong to no face")));
+}
+
+TEST(Import, PolygonsAreTriangulatedInside) {
+  // An arrowhead whose fan from the first corner would leave it.
+  EXPECT_NEAR(area(importText("arrow.obj", "v 0 0 0\nv 2 2 0\nv 0 1 0\nv -2 2 0\nf 2 3 4 1\n")), 2.0, 1e-9);
+  // A comb of five teeth, 1 high and 1 wide at its foot, on a bar of height 1.
+  std::string comb = "v 0 0 0\nv 10 0 0\n";
+  for (int tooth = 4; tooth >= 0; --tooth)
+    for (const auto& [x, y] : {std::pair{2, 1}, std::pair{1, 2}, std::pair{0, 1}})
+      if (x != 2 || tooth == 4)
+        comb += "v " + std::to_string(2 * tooth + x) + " " + std::to_string(y) + " 0\n";
+  comb += "f 1 2 3 4 5 6 7 8 9 10 11 12 13\n";
+  EXPECT_NEAR(area(importText("comb.obj", comb)), 10.0 + 5.0, 1e-9);
+}
+
+TEST(Import, NonManifoldFacesStay) {
+  // Three faces on one edge, and one of them twice.
+  const SourceScene scene = importText(
+      "fin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 5\n");
+  EXPECT_EQ(count(scene).triangles, 4u);
+  EXPECT_EQ(count(scene).vertices, 5u);
+}
+
+TEST(Import, ObjIsRefusedWhereItLies) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  EXPECT_THAT(refusalOf("far.obj", vertices + "f 1 2 4\n"), HasSubstr("vertex 3 of 3"));
+  EXPECT_THAT(refusalOf("zero.obj", vertices + "f 0 1 2\n"), HasSubstr("does not exist"));
+  EXPECT_THAT(refusalOf("slash.obj", vertices + "vn 0 0 1\nf //1 //1 //1\n"), HasSubstr("without a vertex"));
+  EXPECT_THAT(refusalOf("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 2 3 4\n"),
+              HasSubstr("three numbers"));
+}
+
+TEST(Import, PlyStlAndOff) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n";
+  const std::string list = "property list uchar int vertex_indices\nend_header\n";
+  const std::string body = "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 51\n3 0 1 2\n";
+  const SourceScene ply = importText("colors.ply", header + list + body);
+  expectSound(ply);
+  EXPECT_FLOAT_EQ(ply.primitives[0].attributes.at(0).values[10], 0.2f);
+  EXPECT_THAT(refusalOf("lists.ply", header + "property list uchar float texcoord\n" + list + body),
+              HasSubstr("texcoord"));
+  EXPECT_THAT(refusalOf("cut.ply", header + list + body.substr(0, 30)), HasSubstr("cut off"));
+  EXPECT_THAT(refusalOf("header.ply", header), HasSubstr("header"));
+  std::string many = header + list + body;
+  many.replace(many.find("vertex 3"), 8, "vertex 4000000000");
+  EXPECT_THAT(refusalOf("many.ply", many), HasSubstr("cut off"));
+
+  const std::string off = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3";
+  EXPECT_EQ(count(importText("square.off", off + "\n")), (Counts{4, 2, 1, 0, 0, 0}));
+  EXPECT_EQ(count(importText("unended.off", off)), (Counts{4, 2, 1, 0, 0, 0}));
+  EXPECT_THAT(refusalOf("cut.off", off.substr(0, 40)), HasSubstr("cut off"));
+
+  const std::string stl =
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+      "endfacet\nendsolid s\n";
+  EXPECT_EQ(count(importText("text.stl", stl)), (Counts{3, 1, 1, 0, 0, 0}));
+  std::string binary(80, ' ');
+  binary.append("\x01\0\0\0", 4);
+  const float corners[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  binary.append(reinterpret_cast<const char*>(corners), sizeof corners).append(2, '\0');
+  EXPECT_EQ(count(importText("binary.stl", binary)), (Counts{3, 1, 1, 0, 0, 0}));
+}
+
+TEST(ImportCorpus, KnownCounts) {
+  SKIP_WITHOUT("MANIFEST.md");
+  const std::pair<const char*, Counts> known[] = {
+      {"face/ict_facekit_generic_55targets.glb", {28911, 52220, 12, 55, 0, 1}},
+      {"face/makehuman_body_34targets_skinned.glb", {14517, 26756, 1, 34, 53, 0}},
+      {"face/leeperrysmith/LeePerrySmith.glb", {9223, 17684, 1, 0, 0, 0}},
+      {"face/valid/Asian_F_1_Casual_decoded.glb", {31836, 58724, 7, 96, 114, 0}},
+      {"face/valid/Asian_F_1_Casual.glb", {31836, 58724, 7, 96, 114, 0}},
+      {"skinned/CesiumMan.glb", {3273, 4672, 1, 0, 19, 1}},
+      {"skinned/simple_skin/simple_skin.gltf", {10, 8, 1, 0, 2, 1}},
+      {"skinned/03_all_animations/03_all_animations.gltf", {518, 976, 3, 0, 0, 3}},
+      {"skinned/03_skinned_cylinder/03_skinned_cylinder.gltf", {750, 316, 1, 0, 4, 1}},
+      {"morph/SimpleMorph/SimpleMorph.gltf", {3, 1, 1, 2, 0, 1}},
+      {"morph/MorphStressTest/MorphStressTest.gltf", {1528, 2412, 2, 8, 0, 3}},
+      {"morph/AnimatedMorphCube/AnimatedMorphCube.gltf", {24, 12, 1, 2, 0, 1}},
+      {"garment/SheenCloth.glb", {58081, 115200, 1, 0, 0, 0}},
+      {"garment/codimipc/skirt4K.obj", {4004, 7496, 1, 0, 0, 0}},
+      {"odd/SimpleSparseAccessor/SimpleSparseAccessor.gltf", {14, 12, 1, 0, 0, 0}},
+      {"odd/mesh_formats/assimp/cube_binary.ply", {8, 12, 1, 0, 0, 0}},
+      {"odd/mesh_formats/draco/non_manifold_wrap.obj", {10, 12, 1, 0, 0, 0}},
+  };
+  for (const auto& [file, counts] : known) EXPECT_EQ(count(import(corpus(file))), counts) << file;
+  EXPECT_EQ(import(corpus("face/ict_facekit/generic_neutral_mesh.obj")).materials.size(), 12u);
+}
+
+TEST(ImportCorpus, EveryFileIsReadOrRefused) {
+  SKIP_WITHOUT("MANIFEST.md");
+  size_t read = 0, refused = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(corpus(""))) {
+    if (!entry.is_regular_file()) continue;
+    const std::string folder = fs::relative(entry.path(), corpus("")).begin()->string();
+    const std::string extension = entry.path().extension().string();
+    const bool model =
+        std::string(" .gltf .glb .obj .ply .stl .off ").find(" " + extension + " ") != std::string::npos;
+    const bool must =
+        model && (folder == "face" || folder == "morph" || folder == "skinned" || folder == "garment");
+    try {
+      const SourceScene scene = import(entry.path());
+      SCOPED_TRACE(entry.path());
+      expectSound(scene);
+      ++read;
+    } catch (const Error& e) {
+      EXPECT_FALSE(must) << e.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(read, 60u);
+  EXPECT_GT(refused, 60u);
+}
+
+struct Box {
+  glm::dvec3 low{1e30}, high{-1e30};
+};
+Box posedBox(const SourceScene& scene) {
+  Box box;
+  const PosedRig rest = evaluate(scene.rig, defaultPose(scene.rig));
+  for (const Part& part : scene.parts)
+    for (const glm::dvec3& p : posePart(scene, part, rest)) {
+      box.low = glm::min(box.low, p);
+      box.high = glm::max(box.high, p);
+    }
+  return box;
+}
+
+TEST(ImportCorpus, DracoHoldsTheSameSurface) {
+  SKIP_WITHOUT("face/leeperrysmith/LeePerrySmith.glb");
+  const SourceScene packed = import(corpus("face/leeperrysmith/LeePerrySmith.glb"));
+  const SourceScene plain = import(corpus("face/leeperrysmith/LeePerrySmith_decoded.glb"));
+  const Box a = posedBox(packed), b = posedBox(plain);
+  const double diagonal = glm::length(b.high - b.low);
+  EXPECT_LT(glm::length(a.low - b.low), 1e-6 * diagonal);
+  EXPECT_LT(glm::length(a.high - b.high), 1e-6 * diagonal);
+  EXPECT_NEAR(area(packed), area(plain), 1e-6 * area(plain));
+  EXPECT_EQ(packed.primitives[0].uvs.size(), plain.primitives[0].uvs.size());
+}
+
+TEST(ImportCorpus, MeshoptHoldsTheSameSurface) {
+  SKIP_WITHOUT("face/valid/Asian_F_1_Casual.glb");
+  const SourceScene packed = import(corpus("face/valid/Asian_F_1_Casual.glb"));
+  const SourceScene plain = import(corpus("face/valid/Asian_F_1_Casual_decoded.glb"));
+  const Box a = posedBox(packed), b = posedBox(plain);
+  const double diagonal = glm::length(b.high - b.low);
+  EXPECT_LT(glm::length(a.low - b.low), 1e-5 * diagonal);
+  EXPECT_LT(glm::length(a.high - b.high), 1e-5 * diagonal);
+  ASSERT_EQ(packed.parts.size(), plain.parts.size());
+  const PosedRig packed_rest = evaluate(packed.rig, defaultPose(packed.rig));
+  const PosedRig plain_rest = evaluate(plain.rig, defaultPose(plain.rig));
+  for (size_t i = 0; i < plain.parts.size(); ++i) {
+    EXPECT_EQ(packed.primitives[i].indices, plain.primitives[i].indices);
+    const auto p = posePart(packed, packed.parts[i], packed_rest);
+    const auto q = posePart(plain, plain.parts[i], plain_rest);
+    ASSERT_EQ(p.size(), q.size());
+    for (size_t v = 0; v < p.size(); ++v) ASSERT_LT(glm::length(p[v] - q[v]), 1e-5 * diagonal);
+  }
+}
+
+// Every import of a mutated file must end in a sound scene or an Error.
+void survive(const std::string& name, const std::string& bytes) {
+  try {
+    const SourceScene scene = importText(name, bytes);
+    expectSound(scene);
+  } catch (const Error&) {
+  }
+}
+
+void mutate(const std::string& name, const std::string& original, int flips) {
+  for (size_t length = 0; length < original.size(); length += 1 + original.size() / 200)
+    survive(name, original.substr(0, length));
+  std::mt19937 random(1);
+  const auto below = [&](size_t n) { return static_cast<uint32_t>(random() % n); };
+  for (int i = 0; i < flips; ++i) {
+    std::string bytes = original;
+    for (uint32_t k = 1 + below(3); k > 0; --k) {
+      char& byte = bytes[below(bytes.size())];
+      switch (below(3)) {
+        case 0:
+          byte = static_cast<char>(byte ^ (1 << below(8)));
+          break;
+        case 1:
+          byte = static_cast<char>('0' + below(10));
+          break;
+        default:
+          byte = static_cast<char>(below(256));
+      }
+    }
+    survive(name, bytes);
+  }
+}
+
+TEST(ImportFuzz, Glb) {
+  mutate("fuzz.glb", fullFile().glb(kFull), 1500);
+}
+
+TEST(ImportFuzz, MeshFiles) {
+  mutate("fuzz.obj",
+         "v 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nusemtl a\nf 1/1/1 2/2/1 3/1/1 "
+         "4//1\nf -1 -2 -3\n",
+         500);
+  mutate("fuzz.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n", 500);
+  mutate("fuzz.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+         "z\nelement face 1\n"
+         "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+         500);
+  const char faces[] = {3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0};
+  mutate("binary.ply",
+         "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float "
+         "y\nproperty float z\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+             triangleFile().bin() + std::string(faces, sizeof faces),
+         500);
+  mutate("fuzz.stl",
+         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+         "0\nendloop\nendfacet\nendsolid s\n",
+         300);
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(ImportFuzz, Draco) {
+  SKIP_WITHOUT("odd/Box_Draco.glb");
+  mutate("draco.glb", contents(corpus("odd/Box_Draco.glb")), 500);
+}
+
+}  // namespace
+}  // namespace furrow::pipeline
