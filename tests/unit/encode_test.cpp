@@ -111,7 +111,8 @@ TEST(Encode, MaskMipsAreMeans) {
   EXPECT_EQ(decode(texture, 2, 0).at(0, 0)[0], 0.0f);
 }
 
-// Measured: 0.0033 root mean square, 0.011 at most.
+// Measured: 0.019 root mean square, 0.073 at most, where x changes by up to 0.9 within a block: its seven
+// steps are 0.13 wide.
 TEST(Encode, NormalsKeepTheirDirectionThroughBc5) {
   const Image image = creases(64);
   const Image back = decode(encode(TextureFormat::kBc5, std::array{image}), 0, 0);
