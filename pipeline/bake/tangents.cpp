@@ -22,7 +22,9 @@ glm::dvec3 unit(const glm::dvec3& v) {
   return length > std::numeric_limits<float>::min() ? v / length : glm::dvec3(0.0);
 }
 
-glm::dvec3 inPlane(const glm::dvec3& v, const glm::dvec3& normal) { return unit(v - normal * glm::dot(normal, v)); }
+glm::dvec3 inPlane(const glm::dvec3& v, const glm::dvec3& normal) {
+  return unit(v - normal * glm::dot(normal, v));
+}
 
 glm::dvec3 anyTangent(const glm::dvec3& normal) {
   const glm::dvec3 axis = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -34,8 +36,8 @@ glm::dvec3 anyTangent(const glm::dvec3& normal) {
 std::vector<uint32_t> mergeEqual(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                                  std::span<const glm::vec2> uvs) {
   const auto key = [&](uint32_t v) {
-    return std::tie(positions[v].x, positions[v].y, positions[v].z, normals[v].x, normals[v].y, normals[v].z, uvs[v].x,
-                    uvs[v].y);
+    return std::tie(positions[v].x, positions[v].y, positions[v].z, normals[v].x, normals[v].y, normals[v].z,
+                    uvs[v].x, uvs[v].y);
   };
   std::vector<uint32_t> order(positions.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -57,7 +59,8 @@ std::vector<glm::vec4> tangents(std::span<const glm::vec3> positions, std::span<
   if (!uvs.empty()) {
     first = mergeEqual(positions, normals, uvs);
     for (const glm::uvec3& triangle : triangles) {
-      const std::array<glm::dvec3, 3> p = {positions[triangle[0]], positions[triangle[1]], positions[triangle[2]]};
+      const std::array<glm::dvec3, 3> p = {positions[triangle[0]], positions[triangle[1]],
+                                           positions[triangle[2]]};
       const glm::dvec2 uv0 = uvs[triangle[0]];
       const glm::dvec2 e1 = glm::dvec2(uvs[triangle[1]]) - uv0, e2 = glm::dvec2(uvs[triangle[2]]) - uv0;
       const double area = e1.x * e2.y - e1.y * e2.x;

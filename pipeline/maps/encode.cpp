@@ -19,7 +19,9 @@ uint32_t channelCount(TextureFormat format) {
   return format == TextureFormat::kBc5 ? 2u : format == TextureFormat::kBc4 ? 1u : 4u;
 }
 
-uint8_t unorm8(float v) { return static_cast<uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f)); }
+uint8_t unorm8(float v) {
+  return static_cast<uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
+}
 
 // Each texel of the result is the mean of the 2 x 2 below it (2 x 1 where a side is already 1).
 Image halved(const Image& image) {
@@ -77,7 +79,8 @@ void append(TextureFormat format, const Image& image, std::vector<std::byte>& da
       std::array<unsigned char, 32> texels{};
       std::array<unsigned char, 16> block{};
       for (uint32_t i = 0; i < 16; ++i) {
-        const float* texel = image.at(std::min(x + i % 4, image.width - 1), std::min(y + i / 4, image.height - 1));
+        const float* texel =
+            image.at(std::min(x + i % 4, image.width - 1), std::min(y + i / 4, image.height - 1));
         for (uint32_t c = 0; c < channels; ++c) {
           texels[i * channels + c] = unorm8(texel[c]);
         }

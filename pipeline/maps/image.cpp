@@ -27,15 +27,16 @@ Image readImage(const std::filesystem::path& file) {
   config.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &config);
   if (!input) {
-    throw Error(Exit::kBadData, file.string(), "it cannot be read as an image (" + firstLine(OIIO::geterror()) + ")",
+    throw Error(Exit::kBadData, file.string(),
+                "it cannot be read as an image (" + firstLine(OIIO::geterror()) + ")",
                 "give a PNG, JPEG, TGA, TIFF or EXR file");
   }
   const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSide || spec.height > kMaxSide || spec.depth > 1 ||
-      spec.nchannels < 1 || spec.nchannels > 4) {
+  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSide || spec.height > kMaxSide ||
+      spec.depth > 1 || spec.nchannels < 1 || spec.nchannels > 4) {
     throw Error(Exit::kBadData, file.string(),
-                "the image is " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " with " +
-                    std::to_string(spec.nchannels) + " channels",
+                "the image is " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                    " with " + std::to_string(spec.nchannels) + " channels",
                 "give one of at most 16384 x 16384 texels and 1 to 4 channels");
   }
   Image image;
@@ -54,11 +55,12 @@ Image readImage(const std::filesystem::path& file) {
                    [](uint16_t v) { return static_cast<float>(v) / 65535.0f; });
   }
   if (!read) {
-    throw Error(Exit::kBadData, file.string(), "the image is damaged (" + firstLine(input->geterror()) + ")",
-                "export it again");
+    const std::string reason = firstLine(input->geterror());
+    throw Error(Exit::kBadData, file.string(), "the image is damaged (" + reason + ")", "export it again");
   }
   if (!std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); })) {
-    throw Error(Exit::kBadData, file.string(), "the image holds values that are not finite", "export it again");
+    throw Error(Exit::kBadData, file.string(), "the image holds values that are not finite",
+                "export it again");
   }
   return image;
 }
@@ -73,8 +75,9 @@ void writeImage(const std::filesystem::path& file, const Image& image) {
     fail(OIIO::geterror());
   }
   std::vector<uint8_t> bytes(image.pixels.size());
-  std::transform(image.pixels.begin(), image.pixels.end(), bytes.begin(),
-                 [](float v) { return static_cast<uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f)); });
+  std::transform(image.pixels.begin(), image.pixels.end(), bytes.begin(), [](float v) {
+    return static_cast<uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
+  });
   OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height),
                        static_cast<int>(image.channels), OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:UnassociatedAlpha", 1);
@@ -95,7 +98,8 @@ void writeImage(const std::filesystem::path& file, const Image& image) {
 }
 
 Image resize(const Image& image, uint32_t width, uint32_t height) {
-  // One axis after the other; a triangle as wide as the coarser of the two grids, so that shrinking averages and growing interpolates.
+  // One axis after the other; a triangle as wide as the coarser of the two grids, so that shrinking averages
+  // and growing interpolates.
   const auto along = [](const Image& in, uint32_t size, bool rows) {
     const uint32_t old_size = rows ? in.height : in.width;
     Image out;

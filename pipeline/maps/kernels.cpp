@@ -18,10 +18,15 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr double kCell = 0.75;  // spacings; a plane at a random angle crosses 1.5 cells per cell side squared
-constexpr double kJitter = 0.6;
+constexpr double kCell = 0.62;   // spacings
+constexpr double kJitter = 0.6;  // cells
+constexpr double kCapture =
+    0.55;  // cells; a plane has 2 kCapture kernels per cell side squared, whatever its angle
 constexpr double kMaxPieces = 4e6;
 constexpr int kSweeps = 48;
+constexpr float kBroken = 0.65f,
+                kWhole = 0.97f;  // coherence where a line has lost its depth, and where it begins to lose it
+constexpr uint32_t kTaperSteps = 6;
 
 uint64_t mix(uint64_t x) {  // the finaliser of SplitMix64
   x += 0x9e3779b97f4a7c15u;
@@ -40,10 +45,13 @@ uint64_t hash(const CellIndex& cell, uint64_t seed) {
   return h;
 }
 
-double unitInterval(uint64_t h) { return static_cast<double>(h >> 11) * 0x1p-53; }
+double unitInterval(uint64_t h) {
+  return static_cast<double>(h >> 11) * 0x1p-53;
+}
 
 CellIndex cellOf(const glm::dvec3& p) {
-  return {static_cast<int64_t>(std::floor(p.x)), static_cast<int64_t>(std::floor(p.y)), static_cast<int64_t>(std::floor(p.z))};
+  return {static_cast<int64_t>(std::floor(p.x)), static_cast<int64_t>(std::floor(p.y)),
+          static_cast<int64_t>(std::floor(p.z))};
 }
 
 // Value noise in [-1, 1], smooth, period of its lattice 1.
@@ -114,7 +122,8 @@ struct Corner3 {
 
   glm::dvec2 barycentric(const glm::dvec3& x) const {
     const glm::dvec3 e1 = p[1] - p[0], e2 = p[2] - p[0], n = glm::cross(e1, e2), d = x - p[0];
-    return {glm::dot(glm::cross(d, e2), n) / (area2 * area2), glm::dot(glm::cross(e1, d), n) / (area2 * area2)};
+    return {glm::dot(glm::cross(d, e2), n) / (area2 * area2),
+            glm::dot(glm::cross(e1, d), n) / (area2 * area2)};
   }
 };
 
@@ -129,22 +138,29 @@ struct Neighbour {
   uint32_t kernel = 0;
   bool same_sign = true;
   float weight = 0.0f;
-  float along = 0.0f;           // spacings, across the creases
-  std::complex<float> turn{1};  // by which the neighbour's phasor, conjugated unless same_sign, is seen from here
+  float along = 0.0f;  // spacings, across the creases
+  std::complex<float> turn{
+      1};  // by which the neighbour's phasor, conjugated unless same_sign, is seen from here
 };
 
 class Builder {
  public:
   Builder(const Surface& surface, const LayerField& field, double spacing, uint32_t seed)
-      : surface_(surface), field_(field), spacing_(spacing), seed_(seed), reached_(surface.triangles.size(), false) {
+      : surface_(surface),
+        field_(field),
+        spacing_(spacing),
+        seed_(seed),
+        reached_(surface.triangles.size(), false) {
     double pieces = 0.0;
     corners_.resize(surface.triangles.size());
     for (uint32_t t = 0; t < corners_.size(); ++t) {
       const glm::uvec3 points = surface.trianglePoints(t);
       Corner3& c = corners_[t];
-      c.p = {surface.point_positions[points.x], surface.point_positions[points.y], surface.point_positions[points.z]};
+      c.p = {surface.point_positions[points.x], surface.point_positions[points.y],
+             surface.point_positions[points.z]};
       c.area2 = glm::length(glm::cross(c.p[1] - c.p[0], c.p[2] - c.p[0]));
-      const float strength = std::max({field.strength[points.x], field.strength[points.y], field.strength[points.z]});
+      const float strength =
+          std::max({field.strength[points.x], field.strength[points.y], field.strength[points.z]});
       if (!(strength > 0.0f) || !(c.area2 > 0.0) || !std::isfinite(c.area2)) {
         continue;
       }
@@ -152,7 +168,8 @@ class Builder {
       pieces += c.area2 / (spacing * spacing) + longestEdge(c.p) / spacing;
     }
     if (!(pieces < kMaxPieces)) {
-      throw Error(Exit::kBadData, "synthesis", "a wrinkle spacing of " + std::to_string(spacing) + " is too small for the surface",
+      throw Error(Exit::kBadData, "synthesis",
+                  "a wrinkle spacing of " + std::to_string(spacing) + " is too small for the surface",
                   "give a larger spacing or a smaller mask");
     }
   }
@@ -163,10 +180,12 @@ class Builder {
   uint64_t randomOf(uint32_t kernel, uint64_t salt) const { return mix(random_of_[kernel] ^ salt); }
   float confidenceOf(uint32_t kernel) const { return confidence_of_[kernel]; }
 
-  // One kernel a cell of a space grid and sheet of the surface in it: the point nearest to the cell's jittered centre.
+  // One kernel a cell of a space grid and sheet of the surface near its jittered centre: the point nearest to
+  // that.
   std::vector<Kernel> place() {
     std::vector<Candidate> candidates;
-    const glm::dquat tilt = glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));  // no surface in use lies along the grid
+    const glm::dquat tilt =
+        glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));  // no surface in use lies along the grid
     for (uint32_t t = 0; t < corners_.size(); ++t) {
       if (reached_[t]) {
         std::array<glm::dvec3, 3> p{};
@@ -205,8 +224,9 @@ class Builder {
       if (taken) {
         continue;
       }
-      kernel.direction = meanLine(canonical(field_.direction[points.x]), canonical(field_.direction[points.y]),
-                                  canonical(field_.direction[points.z]), w, kernel.normal);
+      kernel.direction =
+          meanLine(canonical(field_.direction[points.x]), canonical(field_.direction[points.y]),
+                   canonical(field_.direction[points.z]), w, kernel.normal);
       kernels.push_back(kernel);
       triangle_of_.push_back(candidate.triangle);
       random_of_.push_back(hash(candidate.cell, seed_));
@@ -253,8 +273,10 @@ class Builder {
     return std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
   }
 
-  // Cuts the triangle (in cells) into pieces of at most two cells, so that a piece's bounding box is not much more than the piece.
-  void collect(uint32_t triangle, const std::array<glm::dvec3, 3>& whole, std::vector<Candidate>& candidates) const {
+  // Cuts the triangle (in cells) into pieces of at most two cells, so that a piece's bounding box is not much
+  // more than the piece.
+  void collect(uint32_t triangle, const std::array<glm::dvec3, 3>& whole,
+               std::vector<Candidate>& candidates) const {
     std::vector<std::array<glm::dvec3, 3>> stack = {whole};
     while (!stack.empty()) {
       const std::array<glm::dvec3, 3> p = stack.back();
@@ -269,8 +291,10 @@ class Builder {
         stack.push_back({middle, b, c});
         continue;
       }
-      const CellIndex low = cellOf(glm::min(p[0], glm::min(p[1], p[2])));
-      const CellIndex high = cellOf(glm::max(p[0], glm::max(p[1], p[2])));
+      const double nearest = kCapture - 0.5 + 0.5 * kJitter,
+                   furthest = kCapture + 0.5 + 0.5 * kJitter;  // from a cell's low corner
+      const CellIndex low = cellOf(glm::min(p[0], glm::min(p[1], p[2])) - furthest);
+      const CellIndex high = cellOf(glm::max(p[0], glm::max(p[1], p[2])) + nearest);
       CellIndex cell{};
       for (cell[2] = low[2]; cell[2] <= high[2]; ++cell[2]) {
         for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {
@@ -282,8 +306,9 @@ class Builder {
               h = mix(h);
             }
             const glm::dvec3 point = closestPoint(centre, p);
-            if (cellOf(point) == cell) {
-              candidates.push_back({cell, glm::distance(point, centre), point, triangle});
+            const double distance = glm::distance(point, centre);
+            if (distance < kCapture) {
+              candidates.push_back({cell, distance, point, triangle});
             }
           }
         }
@@ -339,15 +364,19 @@ std::complex<float> seen(const Neighbour& n, std::complex<float> phasor) {
   return n.turn * (n.same_sign ? phasor : std::conj(phasor));
 }
 
-// Phasors from a front that spreads over the surface from the surest kernel of each sheet, always to where most of the neighbours already
-// agree; then relaxed, so that the unevenness of the front's order is gone and lines break only where they must.
+// Phasors from a front that spreads over the surface from the surest kernel of each sheet, always to where
+// most of the neighbours already agree; then relaxed, so that the unevenness of the front's order is gone and
+// lines break only where they must.
 std::vector<std::complex<float>> align(const Graph& graph, const std::vector<float>& confidence) {
   const auto count = static_cast<uint32_t>(confidence.size());
   std::vector<std::complex<float>> phasors(count), sums(count);
   std::vector<bool> known(count, false);
   std::vector<uint32_t> seeds(count);
   std::iota(seeds.begin(), seeds.end(), 0u);
-  std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) { return confidence[a] > confidence[b]; });
+  const auto rank = [&](uint32_t k) {
+    return std::lround(64.0f * confidence[k]);
+  };  // rounding must not choose
+  std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) { return rank(a) > rank(b); });
 
   std::priority_queue<std::pair<float, uint32_t>> front;
   for (const uint32_t seed : seeds) {
@@ -387,24 +416,64 @@ std::vector<std::complex<float>> align(const Graph& graph, const std::vector<flo
   return phasors;
 }
 
-// Noise in [0, 1], about uniform, that changes from line to line and slowly along a line: white noise spread along the creases.
-std::vector<float> lineNoise(const Graph& graph, const Builder& builder, uint32_t count, uint64_t salt, uint32_t steps) {
-  std::vector<float> values(count), next(count);
-  for (uint32_t k = 0; k < count; ++k) {
-    values[k] = static_cast<float>(unitInterval(builder.randomOf(k, salt))) - 0.5f;
+// 1 where all neighbours agree with the kernel's phase.
+float coherence(const Graph& graph, const std::vector<std::complex<float>>& phasors, uint32_t k) {
+  float agreed = 0.0f, total = 0.0f;
+  for (const Neighbour& n : graph.of(k)) {
+    agreed += n.weight * std::real(std::conj(phasors[k]) * seen(n, phasors[n.kernel]));
+    total += n.weight;
   }
+  return total > 0.0f ? agreed / total : 1.0f;
+}
+
+double wrapped(double turns) {
+  return turns - std::floor(turns + 0.5);
+}
+
+// The neighbours that have the same line for their nearest. The lines are where the phase is `line` turns.
+Graph linesOf(const Graph& graph, const std::vector<double>& phases, double line) {
+  const auto count = static_cast<uint32_t>(phases.size());
+  std::vector<double> offsets(count);  // of the line, in spacings along d
+  for (uint32_t k = 0; k < count; ++k) {
+    offsets[k] = wrapped(line - phases[k]);
+  }
+  Graph lines;
+  for (uint32_t k = 0; k < count; ++k) {
+    for (const Neighbour& n : graph.of(k)) {
+      const double seen_from_here = (offsets[n.kernel] - n.along) * (n.same_sign ? 1.0 : -1.0);
+      if (std::abs(seen_from_here - offsets[k]) < 0.5) {
+        lines.neighbours.push_back(n);
+      }
+    }
+    lines.offsets.push_back(static_cast<uint32_t>(lines.neighbours.size()));
+  }
+  return lines;
+}
+
+void spread(const Graph& lines, uint32_t steps, std::vector<float>& values) {
+  const auto count = static_cast<uint32_t>(values.size());
+  std::vector<float> next(count);
   for (uint32_t step = 0; step < steps; ++step) {
     for (uint32_t k = 0; k < count; ++k) {
       float sum = values[k], total = 1.0f;
-      for (const Neighbour& n : graph.of(k)) {
-        const float weight = n.weight * std::exp(-12.0f * n.along * n.along);
-        sum += weight * values[n.kernel];
-        total += weight;
+      for (const Neighbour& n : lines.of(k)) {
+        sum += n.weight * values[n.kernel];
+        total += n.weight;
       }
       next[k] = sum / total;
     }
     values.swap(next);
   }
+}
+
+// Noise in [0, 1], about uniform, of its own for every line and changing slowly along it.
+std::vector<float> lineNoise(const Graph& lines, const Builder& builder, uint64_t salt, uint32_t steps) {
+  const auto count = static_cast<uint32_t>(lines.offsets.size() - 1);
+  std::vector<float> values(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    values[k] = static_cast<float>(unitInterval(builder.randomOf(k, salt))) - 0.5f;
+  }
+  spread(lines, steps, values);
   double mean = 0.0, square = 0.0;
   for (const float v : values) {
     mean += v;
@@ -425,7 +494,8 @@ float smoothStep(float low, float high, float v) {
 
 }  // namespace
 
-glm::vec3 meanLine(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& weights, const glm::vec3& normal) {
+glm::vec3 meanLine(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& weights,
+                   const glm::vec3& normal) {
   const glm::vec3 axis = std::abs(normal.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
   const glm::vec3 t1 = glm::normalize(axis - normal * glm::dot(axis, normal)), t2 = glm::cross(normal, t1);
   // (cos 2t, sin 2t) times the squared length, which does not know the sign.
@@ -445,7 +515,8 @@ glm::vec3 meanLine(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, c
   return t1 * cos + t2 * sin;
 }
 
-Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing, uint32_t seed, const Irregularity& irregularity) {
+Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing, uint32_t seed,
+                 const Irregularity& irregularity) {
   Builder builder(surface, field, spacing, seed);
   kernels_ = builder.place();
   const auto count = static_cast<uint32_t>(kernels_.size());
@@ -457,7 +528,9 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
   for (uint32_t t = 0; t < grids_.size(); ++t) {
     if (builder.reached()[t]) {
       const auto& p = builder.corners(t).p;
-      const auto parts = [&](double length) { return static_cast<uint32_t>(std::clamp(std::ceil(length / spacing), 1.0, 4096.0)); };
+      const auto parts = [&](double length) {
+        return static_cast<uint32_t>(std::clamp(std::ceil(length / spacing), 1.0, 4096.0));
+      };
       grids_[t] = {cells, parts(glm::distance(p[0], p[1])), parts(glm::distance(p[0], p[2]))};
       cells += grids_[t].columns * grids_[t].rows;
     }
@@ -475,11 +548,13 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
       const Grid& grid = grids_[t];
       const glm::dvec2 b = c.barycentric(centre);
       // Barycentric coordinate i changes by 1 over the altitude of corner i.
-      const double extent1 = reach * glm::distance(c.p[0], c.p[2]) / c.area2, extent2 = reach * glm::distance(c.p[0], c.p[1]) / c.area2;
+      const double extent1 = reach * glm::distance(c.p[0], c.p[2]) / c.area2,
+                   extent2 = reach * glm::distance(c.p[0], c.p[1]) / c.area2;
       const auto range = [](double low, double high, uint32_t parts) {
         const double most = parts - 1.0;
-        return std::array<uint32_t, 2>{static_cast<uint32_t>(std::clamp(std::floor(low * parts), 0.0, most)),
-                                       static_cast<uint32_t>(std::clamp(std::floor(high * parts), 0.0, most))};
+        return std::array<uint32_t, 2>{
+            static_cast<uint32_t>(std::clamp(std::floor(low * parts), 0.0, most)),
+            static_cast<uint32_t>(std::clamp(std::floor(high * parts), 0.0, most))};
       };
       const auto [column0, column1] = range(b.x - extent1, b.x + extent1, grid.columns);
       const auto [row0, row1] = range(b.y - extent2, b.y + extent2, grid.rows);
@@ -492,7 +567,8 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
         const uint32_t edge = edges.edge_of[3 * t + corner];
         for (uint32_t e = edges.offsets[edge]; e < edges.offsets[edge + 1]; ++e) {
           const uint32_t other = edges.triangles[e];
-          if (visited[other] != k && glm::distance(closestPoint(centre, builder.corners(other).p), centre) < reach) {
+          if (visited[other] != k &&
+              glm::distance(closestPoint(centre, builder.corners(other).p), centre) < reach) {
             visited[other] = k;
             queue.push_back(other);
           }
@@ -517,28 +593,45 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
     const Kernel& here = kernels_[k];
     confidence[k] = builder.confidenceOf(k);
     const uint32_t triangle = builder.triangleOf(k);
-    for (const uint32_t j : near(triangle, glm::vec2(builder.corners(triangle).barycentric(glm::dvec3(here.position))))) {
+    for (const uint32_t j :
+         near(triangle, glm::vec2(builder.corners(triangle).barycentric(glm::dvec3(here.position))))) {
       const Kernel& there = kernels_[j];
       const glm::dvec3 step = (glm::dvec3(here.position) - glm::dvec3(there.position)) / spacing;
       const double q = 1.0 - glm::dot(step, step) / (kReach * kReach);
-      const double facing = glm::dot(here.normal, there.normal), agreement = glm::dot(here.direction, there.direction);
+      const double facing = glm::dot(here.normal, there.normal),
+                   agreement = glm::dot(here.direction, there.direction);
       if (j == k || q <= 0.0 || facing <= 0.3) {
         continue;
       }
       const double sign = agreement < 0.0 ? -1.0 : 1.0;
-      const double along = glm::dot((glm::dvec3(there.direction) + sign * glm::dvec3(here.direction)) * 0.5, step);
+      const double along =
+          glm::dot((glm::dvec3(there.direction) + sign * glm::dvec3(here.direction)) * 0.5, step);
       const double angle = sign * 2.0 * std::numbers::pi * along;
       const double trust = 0.05 + 0.95 * builder.confidenceOf(j);
-      graph.neighbours.push_back({j, sign > 0.0, static_cast<float>(q * q * q * facing * agreement * agreement * trust),
-                                  static_cast<float>(along),
-                                  {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))}});
+      graph.neighbours.push_back(
+          {j,
+           sign > 0.0,
+           static_cast<float>(q * q * q * facing * agreement * agreement * trust),
+           static_cast<float>(along),
+           {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))}});
     }
     graph.offsets.push_back(static_cast<uint32_t>(graph.neighbours.size()));
   }
 
   const std::vector<std::complex<float>> phasors = align(graph, confidence);
-  const std::vector<float> depth = lineNoise(graph, builder, count, 0x64657074u, irregularity.ridge_steps);
-  const std::vector<float> minor = lineNoise(graph, builder, count, 0x6d696e6fu, irregularity.ridge_steps);
+  std::vector<double> phases(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    phases[k] = std::arg(std::complex<double>(phasors[k])) / (2.0 * std::numbers::pi);
+  }
+  const Graph lines = linesOf(graph, phases, irregularity.line),
+              between = linesOf(graph, phases, irregularity.line + 0.5);
+  const std::vector<float> depth = lineNoise(lines, builder, 1, irregularity.line_steps);
+  const std::vector<float> minor = lineNoise(between, builder, 2, irregularity.line_steps);
+  std::vector<float> taper(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    taper[k] = smoothStep(kBroken, kWhole, coherence(graph, phasors, k));
+  }
+  spread(lines, kTaperSteps, taper);
   for (uint32_t k = 0; k < count; ++k) {
     Kernel& kernel = kernels_[k];
     const glm::dvec3 at = glm::dvec3(kernel.position) / (spacing * irregularity.sway_length);
@@ -547,19 +640,22 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
       const uint64_t salt = mix(seed) + static_cast<uint64_t>(i);
       sway[i] = noise(at, salt) + 0.25 * noise(at * 2.7, salt + 3);
     }
-    kernel.phase = static_cast<float>(std::arg(std::complex<double>(phasors[k])) / (2.0 * std::numbers::pi) +
-                                      irregularity.sway * glm::dot(sway, glm::dvec3(kernel.direction)));
-    const auto ending = static_cast<float>(irregularity.ending), shallowest = static_cast<float>(irregularity.shallowest);
-    kernel.depth = shallowest + (1.0f - shallowest) * smoothStep(ending, ending + 0.5f, depth[k]);
-    const auto without = static_cast<float>(1.0 - irregularity.minor_creases);
-    kernel.minor = smoothStep(without, without + 0.3f, minor[k]);
+    kernel.phase =
+        static_cast<float>(phases[k] + irregularity.sway * glm::dot(sway, glm::dvec3(kernel.direction)));
+    const auto ending = static_cast<float>(irregularity.ending),
+               shallowest = static_cast<float>(irregularity.shallowest);
+    kernel.depth =
+        taper[k] * (shallowest + (1.0f - shallowest) * smoothStep(ending, ending + 0.5f, depth[k]));
+    const auto without = static_cast<float>(1.0 - irregularity.minor);
+    kernel.minor = taper[k] * smoothStep(without, without + 0.3f, minor[k]);
   }
 }
 
 uint32_t Kernels::cell(uint32_t triangle, glm::vec2 barycentric) const {
   const Grid& grid = grids_[triangle];
   const auto part = [](float b, uint32_t parts) {
-    return static_cast<uint32_t>(std::clamp(b * static_cast<float>(parts), 0.0f, static_cast<float>(parts) - 0.5f));
+    return static_cast<uint32_t>(
+        std::clamp(b * static_cast<float>(parts), 0.0f, static_cast<float>(parts) - 0.5f));
   };
   return grid.begin + part(barycentric.y, grid.rows) * grid.columns + part(barycentric.x, grid.columns);
 }

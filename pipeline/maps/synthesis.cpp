@@ -15,17 +15,25 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr float kTwoPi = 6.28318531f;
-constexpr float kSteepest = 1.2f;       // slope; the runtime's fast normalisation is good up to 1.22
-constexpr float kDarkest = 0.5f;        // W of the deepest valley
-constexpr float kMinorDepth = 0.22f;    // of a full minor crease, of the whole depth
-constexpr float kBroken = 0.25f, kWhole = 0.7f;  // coherence of the waves where lines end, and from which they are at full depth
+constexpr float kPi = 3.14159265f;
+constexpr float kSteepest = 1.2f;     // slope; the runtime's fast normalisation is good up to 1.22
+constexpr float kDarkest = 0.5f;      // W of the deepest valley
+constexpr float kMinorDepth = 0.22f;  // of a full minor crease, of the whole depth
+constexpr float kBroken = 0.35f,
+                kWhole =
+                    0.8f;  // coherence of the waves where lines end, and from which they are at full depth
 
 Irregularity irregularityOf(Preset preset) {
   if (preset == Preset::kSkin) {
-    return {.sway = 0.45, .sway_length = 5.0, .ridge_steps = 24, .shallowest = 0.12, .ending = 0.12, .minor_creases = 0.45};
+    return {.sway = 0.45,
+            .sway_length = 5.0,
+            .line = 0.5,
+            .line_steps = 48,
+            .shallowest = 0.06,
+            .ending = 0.15,
+            .minor = 0.45};
   }
-  return {.sway = 0.6, .sway_length = 4.0, .ridge_steps = 12, .shallowest = 0.1, .ending = 0.15, .minor_creases = 0.0};
+  return {.sway = 0.7, .sway_length = 6.0, .line = 0.0, .line_steps = 16, .shallowest = 0.05, .ending = 0.2};
 }
 
 // A value over the surface and its gradient.
@@ -38,6 +46,10 @@ Varying operator*(const Varying& a, const Varying& b) {
   return {a.value * b.value, a.gradient * b.value + b.gradient * a.value};
 }
 
+Varying operator+(const Varying& a, const Varying& b) {
+  return {a.value + b.value, a.gradient + b.gradient};
+}
+
 Varying quotient(const Varying& a, const Varying& b) {
   const float ratio = a.value / b.value;
   return {ratio, (a.gradient - b.gradient * ratio) / b.value};
@@ -48,50 +60,98 @@ Varying smoothStep(float low, float high, const Varying& v) {
   return {t * t * (3.0f - 2.0f * t), v.gradient * (6.0f * t * (1.0f - t) / (high - low))};
 }
 
-// Height over one period of the phase, mean 0, ridge to valley 1; even, since the phase of a line field has no sign.
+// A line across one period of the phase: 1 in its middle, 0 in the other. Even, since the phase of a line
+// field has no sign.
 struct Profile {
   float value = 0.0f, slope = 0.0f;  // d value / d phase
 };
 
-// Mean of (1/2 - 1/2 cos)^n over a period: the central binomial coefficient over 4^n.
-constexpr float kMean1 = 0.5f, kMean2 = 0.375f, kMean3 = 0.3125f, kMean6 = 0.2255859375f;
-
-Profile skin(float cos, float sin) {
+Profile valley(float cos, float sin) {  // narrow, at half a turn
   const float t = 0.5f - 0.5f * cos, t2 = t * t, t5 = t2 * t2 * t;
-  const float valley = 0.35f * t2 + 0.65f * t5 * t;
-  return {0.35f * kMean2 + 0.65f * kMean6 - valley, -(0.7f * t + 3.9f * t5) * 0.5f * sin};
+  return {0.35f * t2 + 0.65f * t5 * t, (0.7f * t + 3.9f * t5) * 0.5f * sin};
 }
 
-Profile cloth(float cos, float sin) {
-  const float t = 0.5f + 0.5f * cos;
-  return {0.55f * (t - kMean1) + 0.45f * (t * t - kMean2), -(0.55f + 0.9f * t) * 0.5f * sin};
-}
-
-constexpr float deepest(Preset preset) {
-  return preset == Preset::kSkin ? 1.0f - 0.35f * kMean2 - 0.65f * kMean6 : 0.55f * kMean1 + 0.45f * kMean2;
-}
-
-// A small crease on the ridge.
-Profile minorCrease(float cos, float sin) {
+Profile minorCrease(float cos, float sin) {  // on the ridge between valleys
   const float t = 0.5f + 0.5f * cos, t2 = t * t;
-  return {kMean3 - t2 * t, 1.5f * t2 * sin};
+  return {kMinorDepth * t2 * t, kMinorDepth * -1.5f * t2 * sin};
 }
 
-struct SinCos {
-  float sin, cos;
+Profile fold(float cos, float sin) {  // round, at no turn
+  const float t = 0.5f + 0.5f * cos;
+  return {0.55f * t + 0.45f * t * t, -(0.55f + 0.9f * t) * 0.5f * sin};
+}
+
+// Heights of skin without a crease and of cloth without a fold, so that the mean is about 0 where both are.
+constexpr float kSkinLevel = 0.19f, kClothLevel = -0.25f;
+
+// Kernels side by side for the compiler's vector units; the sums are taken in one order whatever their width.
+constexpr size_t kLanes = 8;
+
+struct Batch {
+  size_t used = 0;
+  float step_x[kLanes]{}, step_y[kLanes]{}, step_z[kLanes]{};
+  float direction_x[kLanes]{}, direction_y[kLanes]{}, direction_z[kLanes]{};
+  float turns[kLanes]{}, q[kLanes]{}, facing[kLanes]{}, same[kLanes]{}, depth[kLanes]{}, minor[kLanes]{};
 };
 
-// Of 2 pi t, |t| < 2^22; absolute error below 2e-6. Plain arithmetic: the same bits everywhere.
-SinCos sinCosTurns(float t) {
-  t -= std::floor(t + 0.5f);                     // [-1/2, 1/2]
-  const float folded = 0.25f - std::abs(t);      // cos(2 pi t) = sin(2 pi folded)
-  const float s = std::abs(t) > 0.25f ? std::copysign(0.5f, t) - t : t;
-  const auto sine = [](float turns) {
-    const float x = kTwoPi * turns, x2 = x * x;
-    return x * (1.0f + x2 * (-1.66666667e-1f +
-                             x2 * (8.33333333e-3f + x2 * (-1.98412698e-4f + x2 * (2.75573192e-6f - x2 * 2.50521084e-8f)))));
-  };
-  return {sine(s), sine(folded)};
+struct LaneSum {
+  float value[kLanes]{}, x[kLanes]{}, y[kLanes]{}, z[kLanes]{};
+
+  Varying total() const {
+    Varying sum;
+    for (size_t i = 0; i < kLanes; ++i) {
+      sum.value += value[i];
+      sum.gradient += glm::vec3(x[i], y[i], z[i]);
+    }
+    return sum;
+  }
+};
+
+struct Sums {
+  LaneSum real, imaginary, total, nearby, depth, minor;
+};
+
+// `turns` is how the phase changes over a unit of length, `fall` the gradient of q over the step.
+void add(const Batch& b, float radians, float fall, Sums& sums) {
+  for (size_t i = 0; i < kLanes; ++i) {
+    // sin and cos of half the phase by their series, |x| <= pi / 2, then doubled: plain arithmetic, the same
+    // bits everywhere.
+    const float t =
+        b.turns[i] - static_cast<float>(static_cast<int32_t>(b.turns[i] + std::copysign(0.5f, b.turns[i])));
+    const float x = kPi * t, x2 = x * x;
+    const float sin_half =
+        x * (1.0f + x2 * (-1.66666667e-1f +
+                          x2 * (8.33333333e-3f +
+                                x2 * (-1.98412698e-4f + x2 * (2.75573192e-6f - x2 * 2.50521084e-8f)))));
+    const float cos_half =
+        1.0f + x2 * (-0.5f + x2 * (4.16666667e-2f +
+                                   x2 * (-1.38888889e-3f + x2 * (2.48015873e-5f - x2 * 2.75573192e-7f))));
+    const float sin = 2.0f * sin_half * cos_half, cos = 1.0f - 2.0f * sin_half * sin_half;
+
+    const float q2 = b.q[i] * b.q[i], weight = b.same[i] * q2 * b.q[i],
+                weight_fall = 3.0f * fall * b.same[i] * q2;
+    const float turning = radians * weight;
+    const auto gradient = [&](LaneSum& sum, float along_step, float along_direction) {
+      sum.x[i] += along_step * b.step_x[i] + along_direction * b.direction_x[i];
+      sum.y[i] += along_step * b.step_y[i] + along_direction * b.direction_y[i];
+      sum.z[i] += along_step * b.step_z[i] + along_direction * b.direction_z[i];
+    };
+    sums.real.value[i] += weight * cos;
+    gradient(sums.real, weight_fall * cos, -turning * sin);
+    sums.imaginary.value[i] += weight * sin;
+    gradient(sums.imaginary, weight_fall * sin, turning * cos);
+    sums.total.value[i] += weight;
+    gradient(sums.total, weight_fall, 0.0f);
+    // Depths change from line to line, which takes a narrower window.
+    const float q4 = q2 * q2, narrow = b.facing[i] * q4 * q2,
+                narrow_fall = 6.0f * fall * b.facing[i] * q4 * b.q[i];
+    sums.nearby.value[i] += narrow;
+    gradient(sums.nearby, narrow_fall, 0.0f);
+    sums.depth.value[i] += narrow * b.depth[i];
+    gradient(sums.depth, narrow_fall * b.depth[i], 0.0f);
+    sums.minor.value[i] += narrow * b.minor[i];
+    gradient(sums.minor, narrow_fall * b.minor[i], 0.0f);
+  }
 }
 
 struct Place {
@@ -105,11 +165,21 @@ struct Synthesis::Pattern {
   Pattern(const Surface& surface, const LayerField& field, const SynthesisSettings& s)
       : settings(s), kernels(surface, field, s.spacing, s.seed, irregularityOf(s.preset)) {}
 
-  Varying height(const Place& place, std::span<const uint32_t> near) const {
+  struct Relief {
+    Varying height;
+    float shading = 0.0f;
+  };
+
+  Relief relief(const Place& place, std::span<const uint32_t> near) const {
     const auto spacing = static_cast<float>(settings.spacing);
     const auto reach = static_cast<float>(Kernels::kReach * settings.spacing);
     const float per_reach2 = 1.0f / (reach * reach), per_spacing = 1.0f / spacing;
-    Varying real, imaginary, total, depth, minor, nearby;
+    Sums sums;
+    Batch batch;
+    const auto flush = [&] {
+      add(batch, 2.0f * kPi * per_spacing, -2.0f * per_reach2, sums);
+      batch.used = 0;
+    };
     for (const uint32_t k : near) {
       const Kernel& kernel = kernels[k];
       const glm::vec3 step = place.position - kernel.position;
@@ -120,47 +190,56 @@ struct Synthesis::Pattern {
       }
       const float agreement = glm::dot(place.direction, kernel.direction);
       const float sign = agreement < 0.0f ? -1.0f : 1.0f;
-      const glm::vec3 falling = step * (-2.0f * per_reach2);  // the gradient of q
-      const float q2 = q * q, same = facing * agreement * agreement;
-      const float weight = same * q2 * q;
-      const glm::vec3 weight_gradient = falling * (3.0f * same * q2);
-      const SinCos wave = sinCosTurns(sign * (kernel.phase + glm::dot(kernel.direction, step) * per_spacing));
-      const glm::vec3 turning = kernel.direction * (sign * kTwoPi * per_spacing * weight);
-      real.value += weight * wave.cos;
-      real.gradient += weight_gradient * wave.cos - turning * wave.sin;
-      imaginary.value += weight * wave.sin;
-      imaginary.gradient += weight_gradient * wave.sin + turning * wave.cos;
-      total.value += weight;
-      total.gradient += weight_gradient;
-      // Depths change from line to line, which takes a narrower window.
-      const float q4 = q2 * q2, narrow = facing * q4 * q4;
-      const glm::vec3 narrow_gradient = falling * (8.0f * facing * q4 * q2 * q);
-      nearby.value += narrow;
-      nearby.gradient += narrow_gradient;
-      depth.value += narrow * kernel.depth;
-      depth.gradient += narrow_gradient * kernel.depth;
-      minor.value += narrow * kernel.minor;
-      minor.gradient += narrow_gradient * kernel.minor;
+      const size_t i = batch.used;
+      batch.step_x[i] = step.x;
+      batch.step_y[i] = step.y;
+      batch.step_z[i] = step.z;
+      batch.direction_x[i] = sign * kernel.direction.x;
+      batch.direction_y[i] = sign * kernel.direction.y;
+      batch.direction_z[i] = sign * kernel.direction.z;
+      batch.turns[i] = sign * (kernel.phase + glm::dot(kernel.direction, step) * per_spacing);
+      batch.q[i] = q;
+      batch.facing[i] = facing;
+      batch.same[i] = facing * agreement * agreement;
+      batch.depth[i] = kernel.depth;
+      batch.minor[i] = kernel.minor;
+      if (++batch.used == kLanes) {
+        flush();
+      }
     }
+    for (size_t i = batch.used; i < kLanes; ++i) {
+      batch.facing[i] = batch.same[i] = 0.0f;
+    }
+    flush();
+
+    const Varying real = sums.real.total(), imaginary = sums.imaginary.total(), total = sums.total.total(),
+                  nearby = sums.nearby.total();
+    const bool skin = settings.preset == Preset::kSkin;
+    const Varying level = {skin ? kSkinLevel : kClothLevel, glm::vec3(0.0f)};
     const float size2 = real.value * real.value + imaginary.value * imaginary.value;
     if (!(size2 > 1e-12f * total.value * total.value) || !(nearby.value > 0.0f)) {
-      return {};
+      return {level * place.strength, 0.0f};
     }
     const float size = std::sqrt(size2);
-    const glm::vec3 phase_gradient = (imaginary.gradient * real.value - real.gradient * imaginary.value) / size2;
-    const Varying coherent = {size, (real.gradient * real.value + imaginary.gradient * imaginary.value) / size};
-    const Varying gain = smoothStep(kBroken, kWhole, quotient(coherent, total)) * quotient(depth, nearby) * place.strength;
-
     const float cos = real.value / size, sin = imaginary.value / size;
-    const auto over = [&](const Profile& p) { return Varying{p.value, phase_gradient * p.slope}; };
-    if (settings.preset == Preset::kCloth) {
-      return over(cloth(cos, sin)) * gain;
+    const glm::vec3 phase_gradient =
+        (imaginary.gradient * real.value - real.gradient * imaginary.value) / size2;
+    const auto shape = [&](const Profile& p) { return Varying{p.value, phase_gradient * p.slope}; };
+    const Varying coherent = {size,
+                              (real.gradient * real.value + imaginary.gradient * imaginary.value) / size};
+    const Varying whole = smoothStep(kBroken, kWhole, quotient(coherent, total));
+    const Varying depth = whole * quotient(sums.depth.total(), nearby);
+    if (!skin) {
+      const Varying folds = shape(fold(cos, sin)) * depth;
+      const float valley_floor = (1.0f - folds.value) * depth.value;
+      return {(level + folds) * place.strength,
+              kDarkest * place.strength.value * valley_floor * valley_floor};
     }
-    const Varying small = over(minorCrease(cos, sin)) * quotient(minor, nearby);
-    Varying shape = over(skin(cos, sin));
-    shape.value += kMinorDepth * small.value;
-    shape.gradient += kMinorDepth * small.gradient;
-    return shape * gain;
+    Varying creases = shape(valley(cos, sin)) * depth +
+                      shape(minorCrease(cos, sin)) * whole * quotient(sums.minor.total(), nearby);
+    const float shading = kDarkest * place.strength.value * std::min(creases.value, 1.0f);
+    creases = {-creases.value, -creases.gradient};
+    return {(level + creases) * place.strength, shading};
   }
 
   SynthesisSettings settings;
@@ -172,7 +251,8 @@ Synthesis::Synthesis(const Surface& surface, const LayerField& field, const Synt
   const size_t points = surface.point_positions.size();
   if (!(settings.spacing > 0.0) || !(settings.depth > 0.0) || field.direction.size() != points ||
       field.confidence.size() != points || field.strength.size() != points) {
-    throw std::invalid_argument("Synthesis: spacing and depth must be positive, and the field must have an entry a point");
+    throw std::invalid_argument(
+        "Synthesis: spacing and depth must be positive, and the field must have an entry a point");
   }
   pattern_ = std::make_unique<Pattern>(surface, field, settings);
 }
@@ -187,7 +267,6 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
   maps.height = {size, size, 1, std::vector<float>(count, 0.0f)};
   maps.shading = {size, size, 1, std::vector<float>(count, 0.0f)};
   const auto depth = static_cast<float>(pattern_->settings.depth);
-  const float darkness = kDarkest / deepest(pattern_->settings.preset);
 
   const auto drawTexel = [&](size_t texel) {
     const uint32_t t = texels.triangle[texel];
@@ -201,7 +280,9 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
     }
     const glm::vec3 w(1.0f - b.x - b.y, b.x, b.y);
     const glm::uvec3 v = surface_.triangles[t], p = surface_.trianglePoints(t);
-    const auto at = [&](const auto& values, const glm::uvec3& i) { return values[i.x] * w.x + values[i.y] * w.y + values[i.z] * w.z; };
+    const auto at = [&](const auto& values, const glm::uvec3& i) {
+      return values[i.x] * w.x + values[i.y] * w.y + values[i.z] * w.z;
+    };
 
     Place place;
     place.strength.value = at(field_.strength, p);
@@ -216,15 +297,18 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
                               glm::dot(cross, cross);
     place.position = corner[0] + e1 * b.x + e2 * b.y;
     place.normal = at(surface_.point_normals, p);
-    place.normal = glm::dot(place.normal, place.normal) > 0.0f ? glm::normalize(place.normal) : surface_.point_normals[p.x];
-    place.direction = meanLine(field_.direction[p.x], field_.direction[p.y], field_.direction[p.z], w, place.normal);
+    place.normal = glm::dot(place.normal, place.normal) > 0.0f ? glm::normalize(place.normal)
+                                                               : surface_.point_normals[p.x];
+    place.direction =
+        meanLine(field_.direction[p.x], field_.direction[p.y], field_.direction[p.z], w, place.normal);
 
-    const Varying height = pattern_->height(place, near);
+    const auto [height, shading] = pattern_->relief(place, near);
     maps.height.pixels[texel] = height.value;
-    maps.shading.pixels[texel] = std::clamp(-height.value * darkness, 0.0f, 1.0f);
+    maps.shading.pixels[texel] = shading;
 
     const glm::vec3 normal_sum = at(surface_.normals, v);
-    const glm::vec3 normal = glm::dot(normal_sum, normal_sum) > 0.0f ? glm::normalize(normal_sum) : surface_.normals[v.x];
+    const glm::vec3 normal =
+        glm::dot(normal_sum, normal_sum) > 0.0f ? glm::normalize(normal_sum) : surface_.normals[v.x];
     glm::vec3 tangent = glm::vec3(at(surface_.tangents, v));
     tangent -= normal * glm::dot(normal, tangent);
     if (!(glm::dot(tangent, tangent) > 0.0f)) {
@@ -232,7 +316,8 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
     }
     tangent = glm::normalize(tangent);
     const glm::vec3 bitangent = glm::cross(normal, tangent) * surface_.tangents[v.x].w;
-    glm::vec2 slope = depth * glm::vec2(glm::dot(height.gradient, tangent), glm::dot(height.gradient, bitangent));
+    glm::vec2 slope =
+        depth * glm::vec2(glm::dot(height.gradient, tangent), glm::dot(height.gradient, bitangent));
     const float steepness = glm::length(slope);
     if (!std::isfinite(steepness)) {
       return;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Wrinkle maps worked out from a direction field: ridges across d, evenly spaced along it, with natural branching and no seams, because the
-// pattern lives on the surface and not in UV.
+// Wrinkle maps worked out from a direction field: ridges across d, evenly spaced along it, with natural
+// branching and no seams, because the pattern lives on the surface and not in UV.
 
 #include <memory>
 #include <span>
@@ -20,24 +20,29 @@ struct SynthesisSettings {
   uint32_t seed = 1;
 };
 
-// Maps of one texture set, row 0 at v = 0. Texels outside every chart are dilated from the nearest chart (a hundredth of the size), then
-// flat. Slopes are limited to 1.2, where the runtime's fast normalisation still holds.
+// Maps of one texture set, row 0 at v = 0. Texels outside every chart are dilated from the nearest chart (a
+// hundredth of the size), then flat. Slopes are limited to 1.2, where the runtime's fast normalisation still
+// holds.
 struct SynthesizedMaps {
-  Image normal;   // 2 channels: x, y of the unit normal in the vertices' tangent frames (T, w * cross(N, T)), [-1, 1]
+  Image normal;   // 2 channels: x, y of the unit normal in the vertices' tangent frames (T, w * cross(N, T)),
+                  // [-1, 1]
   Image height;   // 1 channel: height over depth, [-1, 1], mean about 0, so that fading out moves nothing
   Image shading;  // 1 channel: alpha-shading factor W, 0 on ridges, 0.5 in the deepest valleys
 };
 
-// A pattern over the whole surface, made once a layer and then drawn into any number of texture sets. Deterministic; the same at any
-// texture size and thread count, and but for rounding at any tessellation. Lines sway, branch and taper; where `strength` is 0 the
-// surface is flat. `surface` and `field` must outlive it. The method: kernels.h.
+// A pattern over the whole surface, made once a layer and then drawn into any number of texture sets.
+// Deterministic; the same at any texture size and thread count, and but for rounding at any tessellation.
+// Lines sway, branch and taper; where `strength` is 0 the surface is flat. `surface` and `field` must outlive
+// it. The method: kernels.h.
 class Synthesis {
  public:
-  // Throws Error (kBadData) where the spacing is too small for the surface, std::invalid_argument where a size or setting is wrong.
+  // Throws Error (kBadData) where the spacing is too small for the surface, std::invalid_argument where a
+  // size or setting is wrong.
   Synthesis(const Surface& surface, const LayerField& field, const SynthesisSettings& settings);
   ~Synthesis();
 
-  // Any number of threads may draw at once. Draws the parts (indices into Surface::parts, all with UVs) into maps of size x size texels.
+  // Any number of threads may draw at once. Draws the parts (indices into Surface::parts, all with UVs) into
+  // maps of size x size texels.
   SynthesizedMaps draw(std::span<const uint32_t> parts, uint32_t size, uint32_t threads) const;
 
  private:

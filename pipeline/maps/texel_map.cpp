@@ -11,11 +11,14 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr double kHalfDiagonal = 0.70711;
-constexpr double kInsideSlack = 1e-9;  // of barycentric coordinates, so that centres on a shared edge fall into no gap
+constexpr double kInsideSlack =
+    1e-9;  // of barycentric coordinates, so that centres on a shared edge fall into no gap
 
 using Corners = std::array<glm::dvec2, 3>;  // in texels, centres at integers
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+double cross(const glm::dvec2& a, const glm::dvec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
 
 // An edge by its vertices, and which side of it its triangle's third corner is on in UV.
 struct Edge {
@@ -99,7 +102,8 @@ class Mapper {
   template <class Do>
   void visit(const Corners& c, double margin, Do&& visit_texel) const {
     const auto range = [&](double a, double b, double d) {
-      const auto first = static_cast<int64_t>(std::ceil(std::max(std::min({a, b, d}) - margin, -2.0 * size_)));
+      const auto first =
+          static_cast<int64_t>(std::ceil(std::max(std::min({a, b, d}) - margin, -2.0 * size_)));
       const auto last = static_cast<int64_t>(std::floor(std::min(std::max({a, b, d}) + margin, 4.0 * size_)));
       return std::array<int64_t, 2>{first, std::min<int64_t>(last, first + size_ - 1)};
     };
@@ -115,7 +119,8 @@ class Mapper {
   void offer(int64_t x, int64_t y, double distance2, uint32_t triangle, double b1, double b2) {
     const auto wrap = [&](int64_t i) { return static_cast<size_t>((i % size_ + size_) % size_); };
     const size_t texel = wrap(y) * size_ + wrap(x);
-    if (distance2 < distance2_[texel] || (distance2 == distance2_[texel] && triangle < map_.triangle[texel])) {
+    if (distance2 < distance2_[texel] ||
+        (distance2 == distance2_[texel] && triangle < map_.triangle[texel])) {
       distance2_[texel] = distance2;
       map_.triangle[texel] = triangle;
       map_.barycentric[texel] = glm::vec2(static_cast<float>(b1), static_cast<float>(b2));
@@ -160,7 +165,8 @@ TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, uint
     // A chart ends at an edge that does not have exactly one triangle on either side.
     const std::vector<Edge> edges = sortedEdges(surface, part);
     for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-      while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) {
+      while (end < edges.size() && edges[end].low == edges[begin].low &&
+             edges[end].high == edges[begin].high) {
         ++end;
       }
       const bool inside = end - begin == 2 && edges[begin].side * edges[begin + 1].side == -1;

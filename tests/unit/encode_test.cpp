@@ -34,7 +34,9 @@ float bc4Texel(const std::byte* block, uint32_t x, uint32_t y) {
 // One slice of one level.
 Image decode(const EncodedTexture& texture, uint32_t level, uint32_t slice) {
   const uint32_t width = std::max(texture.width >> level, 1u), height = std::max(texture.height >> level, 1u);
-  const uint32_t channels = texture.format == TextureFormat::kBc5 ? 2 : texture.format == TextureFormat::kBc4 ? 1 : 4;
+  const uint32_t channels = texture.format == TextureFormat::kBc5   ? 2
+                            : texture.format == TextureFormat::kBc4 ? 1
+                                                                    : 4;
   size_t offset = 0;
   for (uint32_t l = 0; l < level; ++l) {
     offset += textureLevelBytes(texture.format, texture.width, texture.height, l) * texture.slices;
@@ -109,7 +111,8 @@ TEST(Encode, MaskMipsAreMeans) {
   EXPECT_EQ(decode(texture, 2, 0).at(0, 0)[0], 0.0f);
 }
 
-// Measured: 0.0033 root mean square, 0.011 at most.
+// Measured: 0.019 root mean square, 0.073 at most, where x changes by up to 0.9 within a block: its seven
+// steps are 0.13 wide.
 TEST(Encode, NormalsKeepTheirDirectionThroughBc5) {
   const Image image = creases(64);
   const Image back = decode(encode(TextureFormat::kBc5, std::array{image}), 0, 0);
@@ -141,7 +144,8 @@ TEST(Encode, FactorsKeepTheirValueThroughBc4) {
   EXPECT_LT(most, 0.03f);
 }
 
-// The mean of normals would not do: that of (s, 0, 1) and (0, 0, 1), normalised, is not the normal of slope s / 2.
+// The mean of normals would not do: that of (s, 0, 1) and (0, 0, 1), normalised, is not the normal of slope s
+// / 2.
 TEST(Encode, NormalMipsAreMeansOfSlopes) {
   const Image slope = constant(32, 32, {0.6f, -0.36f});
   const EncodedTexture texture = encode(TextureFormat::kBc5, std::array{slope});
@@ -169,7 +173,8 @@ TEST(Encode, RefusesSizesAndChannelsThatDoNotFit) {
   EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(12, 8, {0})}), std::invalid_argument);
   EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(2, 8, {0})}), std::invalid_argument);
   EXPECT_THROW(encode(TextureFormat::kBc5, std::array{constant(8, 8, {0})}), std::invalid_argument);
-  EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(8, 8, {0}), constant(4, 8, {0})}), std::invalid_argument);
+  EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(8, 8, {0}), constant(4, 8, {0})}),
+               std::invalid_argument);
   EXPECT_EQ(encode(TextureFormat::kBc4, {}).slices, 0u);
 }
 

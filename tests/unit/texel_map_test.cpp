@@ -64,7 +64,8 @@ TEST(TexelMap, DilatesToTheNearestPointOfTheChart) {
           for (int i = 0; i <= 200; ++i) {
             for (int j = 0; i + j <= 200; ++j) {
               const float b1 = static_cast<float>(i) / 200.0f, b2 = static_cast<float>(j) / 200.0f;
-              const glm::vec2 p = surface.uvs[t.x] * (1 - b1 - b2) + surface.uvs[t.y] * b1 + surface.uvs[t.z] * b2;
+              const glm::vec2 p =
+                  surface.uvs[t.x] * (1 - b1 - b2) + surface.uvs[t.y] * b1 + surface.uvs[t.z] * b2;
               nearest = std::min(nearest, glm::distance(p, centre) * static_cast<float>(size));
             }
           }
@@ -73,7 +74,8 @@ TEST(TexelMap, DilatesToTheNearestPointOfTheChart) {
         const float reach = std::max(static_cast<float>(margin), 0.7072f);
         if (nearest < reach - 0.1f) {
           ASSERT_TRUE(covered) << x << ' ' << y;
-          EXPECT_LE(glm::distance(uvAt(surface, map, y * size + x), centre) * static_cast<float>(size), nearest + 1e-3f);
+          EXPECT_LE(glm::distance(uvAt(surface, map, y * size + x), centre) * static_cast<float>(size),
+                    nearest + 1e-3f);
         } else if (nearest > reach + 0.1f) {
           ASSERT_FALSE(covered) << x << ' ' << y;
         }
@@ -98,7 +100,8 @@ TEST(TexelMap, UvsRepeat) {
   }
   EXPECT_EQ(mapTexels(home, kFirst, 64, 2).triangle, mapTexels(away, kFirst, 64, 2).triangle);
 
-  // Across the border of the tile, and a triangle of a million tiles, which must not take a million times as long.
+  // Across the border of the tile, and a triangle of a million tiles, which must not take a million times as
+  // long.
   const Surface across = surfaceOf({{0.9f, 0.4f}, {1.1f, 0.4f}, {1.1f, 0.6f}}, {{0, 1, 2}});
   const TexelMap map = mapTexels(across, kFirst, 32, 0);
   EXPECT_EQ(map.triangle[14 * 32 + 1], 0u);
@@ -115,7 +118,8 @@ TEST(TexelMap, BadUvsAreLeftOut) {
 
 // The two halves of a face that share one half of the texture: their common edge is the chart's border.
 TEST(TexelMap, ChartsFoldedOntoEachOtherEndAtTheFold) {
-  const Surface surface = surfaceOf({{0.5f, 0.25f}, {0.5f, 0.75f}, {0.25f, 0.5f}, {0.25f, 0.5f}}, {{0, 1, 2}, {1, 0, 3}});
+  const Surface surface =
+      surfaceOf({{0.5f, 0.25f}, {0.5f, 0.75f}, {0.25f, 0.5f}, {0.25f, 0.5f}}, {{0, 1, 2}, {1, 0, 3}});
   const TexelMap map = mapTexels(surface, kFirst, 32, 3);
   EXPECT_EQ(map.triangle[16 * 32 + 14], 0u);  // the lowest index has the overlap
   EXPECT_NE(map.triangle[16 * 32 + 18], kNoIndex);
