@@ -24,22 +24,6 @@ struct Maps {
   Image normal, shading;
 };
 
-// Bilinear, wrapping around.
-Image resized(const Image& image, uint32_t size) {
-  Image out{size, size, image.channels, std::vector<float>(size_t{size} * size * image.channels)};
-  for (uint32_t y = 0; y < size; ++y)
-    for (uint32_t x = 0; x < size; ++x) {
-      const double sx = (x + 0.5) * image.width / size - 0.5 + image.width, sy = (y + 0.5) * image.height / size - 0.5 + image.height;
-      const double fx = sx - std::floor(sx), fy = sy - std::floor(sy);
-      const auto ix = static_cast<uint32_t>(sx), iy = static_cast<uint32_t>(sy);
-      for (uint32_t c = 0; c < image.channels; ++c) {
-        const auto at = [&](uint32_t dx, uint32_t dy) { return double{image.at((ix + dx) % image.width, (iy + dy) % image.height)[c]}; };
-        out.at(x, y)[c] = static_cast<float>((at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) + (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy);
-      }
-    }
-  return out;
-}
-
 Image flat(uint32_t size, uint32_t channels) { return {size, size, channels, std::vector<float>(size_t{size} * size * channels, 0.0f)}; }
 
 class MapBake {
@@ -144,7 +128,7 @@ class MapBake {
 
   // An authored normal map: renormalised, x and y kept.
   Image normalsOf(const std::filesystem::path& file, uint32_t size) {
-    const Image source = resized(read(file, 3), size);
+    const Image source = resize(read(file, 3), size, size);
     Image out = flat(size, 2);
     for (size_t i = 0; i < size_t{size} * size; ++i) {
       const glm::vec3 n = glm::vec3(source.pixels[i * source.channels], source.pixels[i * source.channels + 1], source.pixels[i * source.channels + 2]) * 2.0f - 1.0f;
@@ -158,7 +142,7 @@ class MapBake {
 
   // Slopes of an authored height map, x along +u and y along -v, which is up in the image.
   Maps mapsFromHeight(const std::filesystem::path& file, uint32_t size, double depth, double length_of_uv) {
-    const Image source = resized(read(file, 1), size);
+    const Image source = resize(read(file, 1), size, size);
     Maps maps{flat(size, 2), flat(size, 1)};
     const double texel = length_of_uv / size;
     const auto height = [&](uint32_t x, uint32_t y) { return double{source.at(x % size, y % size)[0]} * depth; };
@@ -195,7 +179,7 @@ class MapBake {
           return;
         }
         if (authored_shading) {
-          const Image image = resized(read(*authored_shading, 1), size);
+          const Image image = resize(read(*authored_shading, 1), size, size);
           for (size_t i = 0; i < size_t{size} * size; ++i) maps.shading.pixels[i] = image.pixels[i * image.channels];
         }
         slice = static_cast<uint32_t>(normals.size());
@@ -217,7 +201,7 @@ class MapBake {
       Image& slice = slices[l / 4];
       const size_t channel = l % 4;
       if (const auto* texture = std::get_if<MaskTexture>(&recipe_.layers[l].mask)) {
-        const Image image = resized(readImage(texture->texture), size);
+        const Image image = resize(readImage(texture->texture), size, size);
         for (size_t i = 0; i < size_t{size} * size; ++i) slice.pixels[4 * i + channel] = image.pixels[i * image.channels + texture->channel];
         continue;
       }

@@ -222,7 +222,7 @@ void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out) {
   uint32_t left = 65535;
   for (size_t i = 0; i < values.size(); ++i) {
     const double share = 65535.0 * (sum > 0.0 ? values[i] / sum : 1.0 / static_cast<double>(values.size()));
-    out[i] = static_cast<uint16_t>(std::min(share, double{left}));
+    out[i] = static_cast<uint16_t>(std::min(share, static_cast<double>(left)));
     left -= out[i];
     remainders.push_back({static_cast<double>(out[i]) - share, i});
   }

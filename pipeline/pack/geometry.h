@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "furrow_generated.h"
-#include "geometry.h"
+#include "part_geometry.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::pipeline {

@@ -29,7 +29,7 @@ template <typename Target>
 void fill(const json& value, Target& target) {  // a GLM type made of doubles
   const std::vector<double> source = numbers<double>(value);
   if (source.size() * sizeof(double) != sizeof(Target)) throw std::runtime_error("the rig section is not sound");
-  std::memcpy(&target, source.data(), sizeof(Target));
+  std::memcpy(static_cast<void*>(&target), source.data(), sizeof(Target));
 }
 
 template <typename Source>

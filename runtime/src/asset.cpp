@@ -12,15 +12,15 @@
 
 #include "asset_header.h"
 #include "furrow_generated.h"
-#include "geometry.h"
+#include "part_geometry.h"
 
 namespace furrow {
 
 struct Asset::Storage {
   std::vector<std::byte> payload;
   PartGeometry geometry;  // of all parts, indices and joints absolute
-  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, ring_offsets, ring_triangles,
-      morph_entries;
+  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, ring_offsets, ring_triangles, morph_entries,
+      place_points;
   std::vector<uint16_t> ring_weights;
   std::vector<Part> parts;
   std::vector<PaletteEntry> palette;

@@ -1,7 +1,7 @@
 #pragma once
 
-// A cooked asset (.furrow) in memory: geometry, points, layers and maps, ready to be read by the jobs (jobs.h) and the frame plan
-// (frame_plan.h). Immutable after load(); any number of threads may read it.
+// A cooked asset (.furrow) in memory: geometry, points, layers and maps, ready to be read by the jobs
+// (jobs.h) and the frame plan (frame_plan.h). Immutable after load(); any number of threads may read it.
 
 #include <cstddef>
 #include <memory>
@@ -13,7 +13,8 @@
 
 namespace furrow {
 
-inline constexpr uint32_t kFormatVersion = 1;  // bumped, never renumbered; docs/format.md says what each version changed
+inline constexpr uint32_t kFormatVersion =
+    1;  // bumped, never renumbered; docs/format.md says what each version changed
 inline constexpr uint32_t kMaxLayers = 16;
 inline constexpr uint32_t kMaxPaletteEntries = 65536;
 
@@ -52,15 +53,17 @@ struct Part {
   bool has_normals, has_uvs;     // of the source; normals are computed where it had none, UVs are zero
 };
 
-// One matrix of the palette that poses the asset: palette[i] = world(node) * inverse_bind, where world() leads to the scene root. The
-// vertices of a mesh without skin are bound to an entry of their own, so that every vertex is posed in the same way.
+// One matrix of the palette that poses the asset: palette[i] = world(node) * inverse_bind, where world()
+// leads to the scene root. The vertices of a mesh without skin are bound to an entry of their own, so that
+// every vertex is posed in the same way.
 struct PaletteEntry {
   std::string_view node;
   uint32_t node_index;  // in the source file
   Affine inverse_bind;
 };
 
-// A morph target: p += weight * position_step * position_deltas[i] for vertex vertices[i] (ascending), normals likewise.
+// A morph target: p += weight * position_step * position_deltas[i] for vertex vertices[i] (ascending),
+// normals likewise.
 struct Morph {
   std::string_view name;  // may be empty; several meshes may have targets of one name
   float default_weight;
@@ -74,13 +77,14 @@ struct Layer {
   std::string_view name;
   Measure measure;
   Response response;
-  std::span<const float> coefficients;   // coefficientCount(measure) a triangle; all zero: the triangle is in no ring
-  std::span<const int16_t> bias;         // a vertex, snorm16; empty: 0
-  std::span<const uint8_t> mask;         // a vertex, unorm8; empty: 1
-  std::span<const int8_t> direction;     // 3 a point, snorm8, unit, in root space at rest; empty for kNone
-  std::span<const uint8_t> confidence;   // a point, unorm8: how well the direction is known; empty for kNone
-  uint32_t mask_slice;                   // channel mask_slice % 4 of slice mask_slice / 4 of TextureSet::masks
-  uint32_t driver_begin, driver_end;     // in drivers()
+  std::span<const float>
+      coefficients;  // coefficientCount(measure) a triangle; all zero: the triangle is in no ring
+  std::span<const int16_t> bias;       // a vertex, snorm16; empty: 0
+  std::span<const uint8_t> mask;       // a vertex, unorm8; empty: 1
+  std::span<const int8_t> directions;  // 4 a point: the unit direction in root space at rest, 3 x snorm8, and
+                                       // the confidence in it, 0 to 127; empty for kNone
+  uint32_t mask_slice;                // channel mask_slice % 4 of slice mask_slice / 4 of TextureSet::masks
+  uint32_t driver_begin, driver_end;  // in drivers()
 };
 
 // region weight of the layer += gain * morph weight
@@ -95,18 +99,20 @@ enum class TextureFormat : uint8_t {
   kRgba8 = 2,  // four channels, unorm
 };
 
-// An array texture with its full mip chain. Slice s of level l is at data[offset(l) + s * size(l)], levels from the largest.
+// An array texture with its full mip chain. Slice s of level l is at data[offset(l) + s * size(l)], levels
+// from the largest.
 struct Texture {
   TextureFormat format;
   uint32_t width, height, slices, levels;
   std::span<const std::byte> data;  // tightly packed: all slices of level 0, then of level 1, ...
 };
 
-// The maps of the parts that share one UV space (one material). Per layer, a slice of `normals` and of `shading` for the compress pose and
-// for the stretch pose, kAbsent where it has no map there.
+// The maps of the parts that share one UV space (one material). Per layer, a slice of `normals` and of
+// `shading` for the compress pose and for the stretch pose, kAbsent where it has no map there.
 struct TextureSet {
   std::string_view name;
-  Texture normals;  // BC5: n.xy * 0.5 + 0.5 of the wrinkle normal in tangent space, z = sqrt(1 - x^2 - y^2); slices 0: no maps
+  Texture normals;  // BC5: n.xy * 0.5 + 0.5 of the wrinkle normal in tangent space, z = sqrt(1 - x^2 - y^2);
+                    // slices 0: no maps
   Texture shading;  // BC4: the factor W of alpha shading, C = C0 (1 - I W); the slices are those of `normals`
   Texture masks;    // RGBA8: four layers a slice; slices 0: use Layer::mask
   uint32_t compress_slice[kMaxLayers];
@@ -114,7 +120,10 @@ struct TextureSet {
 };
 
 constexpr uint32_t coefficientCount(Measure measure) {
-  return measure == Measure::kDirectional ? 2u : measure == Measure::kArea ? 1u : measure == Measure::kPrincipal ? 3u : 0u;
+  return measure == Measure::kDirectional ? 2u
+         : measure == Measure::kArea      ? 1u
+         : measure == Measure::kPrincipal ? 3u
+                                          : 0u;
 }
 
 // Bytes of one slice of one level.
@@ -142,9 +151,10 @@ struct AssetView {
   std::span<const uint32_t> ring_triangles;
   std::span<const uint16_t> ring_weights;  // rest angles; each ring sums to exactly 65535
 
-  // Morph deltas once more, gathered by vertex for the GPU: vertex v owns entries [morph_offsets[v], morph_offsets[v + 1]).
-  std::span<const uint32_t> morph_offsets;  // vertices + 1; empty without morphs
-  std::span<const uint32_t> morph_entries;  // 4 a entry: morph index, x | y << 16, z (int16 steps), normal (3 x int8 steps)
+  // Morph deltas once more, gathered by vertex for the GPU: vertices + 1 offsets, then entries of 3 words.
+  // Vertex v owns the entries [offset[v], offset[v + 1]), by ascending morph: morph | z << 16, x | y << 16
+  // (int16 steps), normal x | y << 8 | z << 16 (int8 steps).
+  std::span<const uint32_t> morph_entries;  // empty without morphs
 
   std::span<const Part> parts;
   std::span<const PaletteEntry> palette;
@@ -153,12 +163,12 @@ struct AssetView {
   std::span<const Driver> drivers;
   std::span<const TextureSet> texture_sets;
 
-  std::string_view tool_version;  // of the furrow that cooked it
-  std::string_view source;        // file name of what was cooked
-  std::span<const std::byte> rig;           // the section the pipeline's tools read nodes and clips from; opaque here
-  std::span<const std::byte> place_hash;    // the section PlaceHash reads
-  std::span<const uint32_t> place_points;   // 2 a place: its first point, how many points
-  float position_error;                     // measured by the cook: largest |asset - source| at rest, in root space
+  std::string_view tool_version;   // of the furrow that cooked it
+  std::string_view source;         // file name of what was cooked
+  std::span<const std::byte> rig;  // the section the pipeline's tools read nodes and clips from; opaque here
+  std::span<const std::byte> place_hash;  // the section PlaceHash reads
+  std::span<const uint32_t> place_points;    // 2 a place: its first point, how many points
+  float position_error;  // measured by the cook: largest |asset - source| at rest, in root space
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }
   uint32_t triangleCount() const { return static_cast<uint32_t>(indices.size() / 3); }
@@ -175,14 +185,16 @@ class Asset {
   Asset(Asset&&) noexcept;
   Asset& operator=(Asset&&) noexcept;
 
-  // Reads a whole .furrow file. Every byte is covered by a checksum and every count, offset and index is checked before it is used, so that
-  // the spans of view() can be trusted. `file` may be freed afterwards. On error the asset stays empty.
+  // Reads a whole .furrow file. Every byte is covered by a checksum and every count, offset and index is
+  // checked before it is used, so that the spans of view() can be trusted. `file` may be freed afterwards. On
+  // error the asset stays empty.
   Status load(std::span<const std::byte> file);
 
   const AssetView& view() const { return view_; }
 
+  struct Storage;  // private to the runtime
+
  private:
-  struct Storage;
   AssetView view_;
   std::unique_ptr<Storage> storage_;
 };

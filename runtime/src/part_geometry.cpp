@@ -1,4 +1,4 @@
-#include "geometry.h"
+#include "part_geometry.h"
 
 #include <meshoptimizer.h>
 

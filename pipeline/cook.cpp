@@ -1,0 +1,275 @@
+#include "pipeline/cook.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "pipeline/bake/rings.h"
+#include "pipeline/bake/squeeze.h"
+#include "pipeline/bake/tangents.h"
+#include "pipeline/bake/weld.h"
+#include "pipeline/error.h"
+#include "pipeline/layer_bake.h"
+#include "pipeline/map_bake.h"
+#include "pipeline/pack/writer.h"
+#include "pipeline/scene/rest.h"
+
+namespace furrow::pipeline {
+namespace {
+
+class Cook {
+ public:
+  Cook(SourceScene scene, const Recipe& recipe, const CookOptions& options)
+      : scene_(std::move(scene)), recipe_(recipe), options_(options), recipe_file_(recipe.file.empty() ? scene_.file.string() : recipe.file.string()) {}
+
+  Cooked run() {
+    check();
+    options_.progress("welding");
+    const std::vector<glm::vec3> source_rest = restFloats();
+    weld_ = weld(scene_, source_rest);
+    packParts();
+    makeSurface(source_rest);
+    options_.progress("measuring the animation");
+    const Rings rings = makeRings(surface_);
+    Squeeze squeeze;
+    if (needsSqueeze()) {
+      squeeze = measureSqueeze(scene_, surface_, source_vertex_);
+      if (!squeeze.any())
+        warn("no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and drivers");
+    } else {
+      squeeze.tensor.assign(surface_.triangles.size(), glm::vec3(0.0f));
+      squeeze.peak.assign(surface_.triangles.size(), 0.0f);
+    }
+    options_.progress("baking layers");
+    const LayerInput input{scene_, surface_, source_vertex_, squeeze, recipe_file_};
+    std::vector<BakedLayer> layers;
+    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
+    options_.progress("making maps");
+    std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
+    for (uint32_t s = 0; s < sets.size(); ++s)
+      for (uint32_t part : sets[s].parts) parts_[part].texture_set = s;
+
+    options_.progress("packing");
+    Cooked cooked;
+    cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_, place_points_, influences_, position_error_});
+    Asset loaded;
+    if (const Status status = loaded.load(cooked.bytes); !status.ok())
+      throw Error(Exit::kBadData, scene_.file.string(), std::string("the asset made of it does not load (") + status.message + ")", "report this as a fault of furrow");
+    report();
+    cooked.report = std::move(report_);
+    cooked.dependencies = scene_.dependencies;
+    if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
+    cooked.dependencies.insert(cooked.dependencies.end(), dependencies_.begin(), dependencies_.end());
+    return cooked;
+  }
+
+ private:
+  void warn(std::string text) { report_.warnings.push_back(std::move(text)); }
+
+  void check() {
+    report_.warnings = scene_.warnings;
+    if (recipe_.weld_tolerance != 0.0)
+      throw Error(Exit::kBadData, recipe_file_, "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
+    for (const LayerRecipe& layer : recipe_.layers)
+      for (const DriverRecipe& driver : layer.drivers) {
+        std::vector<std::string> names;
+        for (const MorphTarget& target : scene_.rig.morphs) names.push_back(target.name);
+        if (std::find(names.begin(), names.end(), driver.morph) == names.end())
+          throw Error(Exit::kBadData, recipe_file_, "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"", "the file has: " + joinNames(names));
+      }
+    if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
+      throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets", "split it into several files");
+  }
+
+  bool needsSqueeze() const {
+    return std::any_of(recipe_.layers.begin(), recipe_.layers.end(), [](const LayerRecipe& layer) {
+      return std::holds_alternative<DirectionAnimation>(layer.direction) || std::holds_alternative<MaskAuto>(layer.mask);
+    });
+  }
+
+  // Root-space rest positions of all parts in source order.
+  std::vector<glm::vec3> restFloats() const {
+    std::vector<glm::vec3> out;
+    for (const Part& part : scene_.parts)
+      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest)) out.push_back(glm::vec3(p));
+    return out;
+  }
+
+  // Normals of a primitive, or smooth ones over its points where the file has none.
+  std::vector<glm::vec3> normalsOf(const Part& part, uint32_t first_vertex) const {
+    const Primitive& primitive = scene_.primitives[part.primitive];
+    std::vector<glm::vec3> normals = primitive.normals;
+    if (normals.empty()) {
+      std::vector<glm::vec3> sum(weld_.points, glm::vec3(0.0f));
+      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) {
+        const uint32_t* v = &primitive.indices[i];
+        const glm::vec3 n = glm::cross(primitive.positions[v[1]] - primitive.positions[v[0]], primitive.positions[v[2]] - primitive.positions[v[0]]);
+        for (int c = 0; c < 3; ++c) sum[weld_.vertex_point[first_vertex + v[c]]] += n;
+      }
+      for (size_t v = 0; v < primitive.positions.size(); ++v) normals.push_back(sum[weld_.vertex_point[first_vertex + v]]);
+    }
+    for (glm::vec3& n : normals) {
+      const float length = glm::length(n);
+      n = length > 0.0f && std::isfinite(length) ? n / length : glm::vec3(0.0f, 1.0f, 0.0f);
+    }
+    return normals;
+  }
+
+  // Packs every part, then replaces the scene's positions by what the runtime will decode, so that all that follows is baked from that.
+  void packParts() {
+    uint32_t first_vertex = 0;
+    std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
+    for (const Part& part : scene_.parts) {
+      const Primitive& primitive = scene_.primitives[part.primitive];
+      const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
+      std::vector<glm::uvec3> triangles;
+      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
+      const std::vector<glm::vec4> frames = primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles) : primitive.tangents;
+      PackedPart packed = packGeometry(primitive, normals, frames, options_.geometry);
+      packed.mesh = part.mesh;
+      if (part.material < scene_.materials.size()) {
+        packed.material = scene_.materials[part.material].name;
+        packed.base_color = scene_.materials[part.material].base_color;
+      }
+      packed.palette_begin = part.palette_begin;
+      packed.palette_count = part.skinned ? part.palette_count : 1;
+      packed.rest = bindMatrix(scene_, part);
+      packed.has_normals = !primitive.normals.empty();
+      packed.has_uvs = !primitive.uvs.empty();
+      influences_ = std::max(influences_, influencesOf(packed));
+      first_vertex += packed.vertices;
+      geometry_.push_back(unpackGeometry(packed, influencesOf(packed)));
+      if (packed.draco.empty() && options_.geometry == GeometryCodec::kDraco) warn("mesh \"" + part.mesh + "\" could not be Draco-encoded and is stored raw");
+      parts_.push_back(std::move(packed));
+      std::vector<glm::vec3>& positions = decoded[part.primitive];
+      positions.resize(primitive.positions.size());
+      for (size_t v = 0; v < positions.size(); ++v) {
+        const Float3 p = geometry_.back().positions[v];
+        positions[geometry_.back().source[v]] = {p.x, p.y, p.z};
+      }
+    }
+    for (size_t i = 0; i < decoded.size(); ++i)
+      if (!decoded[i].empty()) scene_.primitives[i].positions = std::move(decoded[i]);
+  }
+
+  void makeSurface(const std::vector<glm::vec3>& source_rest) {
+    const std::vector<glm::vec3> rest = restFloats();
+    for (size_t v = 0; v < rest.size(); ++v) position_error_ = std::max(position_error_, double{glm::distance(rest[v], source_rest[v])});
+
+    std::vector<uint32_t> source_point;
+    for (uint32_t i = 0; i < scene_.parts.size(); ++i) {
+      const PartGeometry& geometry = geometry_[i];
+      SurfacePart span;
+      span.vertex_begin = static_cast<uint32_t>(surface_.positions.size());
+      span.triangle_begin = static_cast<uint32_t>(surface_.triangles.size());
+      span.source_part = i;
+      span.rest = parts_[i].rest;
+      span.has_uvs = parts_[i].has_uvs;
+      const glm::dmat3 linear(span.rest);
+      const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
+      for (size_t v = 0; v < geometry.positions.size(); ++v) {
+        const uint32_t source = span.vertex_begin + geometry.source[v];
+        const Float3 n = geometry.normals[v];
+        const Float4 t = geometry.tangents[v];
+        const glm::vec3 normal = unit(cofactor * glm::dvec3(n.x, n.y, n.z), {0, 1, 0});
+        const glm::dvec3 along = linear * glm::dvec3(t.x, t.y, t.z);
+        const glm::vec3 tangent = unit(along - glm::dot(along, glm::dvec3(normal)) * glm::dvec3(normal), {1, 0, 0});
+        source_vertex_.push_back(source);
+        source_point.push_back(weld_.vertex_point[source]);
+        surface_.positions.push_back(rest[source]);
+        surface_.normals.push_back(normal);
+        surface_.tangents.push_back(glm::vec4(tangent, t.w));
+        surface_.uvs.push_back(glm::vec2(geometry.uvs[v].x, geometry.uvs[v].y));
+      }
+      for (size_t f = 0; f + 2 < geometry.indices.size(); f += 3)
+        surface_.triangles.push_back(glm::uvec3(geometry.indices[f], geometry.indices[f + 1], geometry.indices[f + 2]) + span.vertex_begin);
+      span.vertex_end = static_cast<uint32_t>(surface_.positions.size());
+      span.triangle_end = static_cast<uint32_t>(surface_.triangles.size());
+      surface_.parts.push_back(span);
+    }
+    numberPoints(source_point);
+    pointGeometry();
+  }
+
+  static glm::vec3 unit(glm::dvec3 v, glm::vec3 otherwise) {
+    const double length = glm::length(v);
+    return length > 0.0 && std::isfinite(length) ? glm::vec3(v / length) : otherwise;
+  }
+
+  // Points in the order in which the asset's vertices first meet their places, the points of one place next to each other.
+  void numberPoints(const std::vector<uint32_t>& source_point) {
+    std::vector<uint32_t> place_of_point(weld_.points);
+    std::vector<std::vector<uint32_t>> points_of_place(weld_.places);
+    for (size_t v = 0; v < weld_.vertex_point.size(); ++v) place_of_point[weld_.vertex_point[v]] = weld_.vertex_place[v];
+    for (uint32_t p = 0; p < weld_.points; ++p) points_of_place[place_of_point[p]].push_back(p);
+    std::vector<uint32_t> number(weld_.points, kNoIndex);
+    place_points_.assign(weld_.places, {0, 0});
+    uint32_t next = 0;
+    for (uint32_t point : source_point) {
+      if (number[point] == kNoIndex) {
+        const uint32_t place = place_of_point[point];
+        place_points_[place] = {next, static_cast<uint32_t>(points_of_place[place].size())};
+        for (uint32_t each : points_of_place[place]) number[each] = next++;
+      }
+      surface_.vertex_point.push_back(number[point]);
+    }
+  }
+
+  void pointGeometry() {
+    surface_.point_positions.assign(weld_.points, glm::vec3(0.0f));
+    std::vector<glm::dvec3> normals(weld_.points, glm::dvec3(0.0));
+    std::vector<bool> seen(weld_.points);
+    for (size_t v = 0; v < surface_.positions.size(); ++v) {
+      const uint32_t p = surface_.vertex_point[v];
+      if (!seen[p]) surface_.point_positions[p] = surface_.positions[v];  // the vertex that stands for the point
+      seen[p] = true;
+    }
+    for (size_t t = 0; t < surface_.triangles.size(); ++t) {
+      const glm::uvec3 p = surface_.trianglePoints(t);
+      const glm::dvec3 a = surface_.point_positions[p.x];
+      const glm::dvec3 n = glm::cross(glm::dvec3(surface_.point_positions[p.y]) - a, glm::dvec3(surface_.point_positions[p.z]) - a);
+      for (int c = 0; c < 3; ++c) normals[p[c]] += n;
+    }
+    for (const glm::dvec3& n : normals) surface_.point_normals.push_back(unit(n, {0, 1, 0}));
+  }
+
+  void report() {
+    report_.vertices = static_cast<uint32_t>(surface_.positions.size());
+    report_.triangles = static_cast<uint32_t>(surface_.triangles.size());
+    report_.places = weld_.places;
+    report_.points = weld_.points;
+    report_.morphs = static_cast<uint32_t>(scene_.rig.morphs.size());
+    report_.clips = static_cast<uint32_t>(scene_.rig.clips.size());
+    report_.position_error = position_error_;
+    glm::vec3 lowest(INFINITY), highest(-INFINITY);
+    for (const glm::vec3& p : surface_.positions) {
+      lowest = glm::min(lowest, p);
+      highest = glm::max(highest, p);
+    }
+    report_.diagonal = glm::distance(lowest, highest);
+    for (size_t t = 0; t < surface_.triangles.size(); ++t) report_.degenerate_triangles += isDegenerate(surface_, t);
+    const bool some_without_uvs = std::any_of(parts_.begin(), parts_.end(), [](const PackedPart& part) { return !part.has_uvs; });
+    if (some_without_uvs) warn("a mesh has no UVs: it gets weights and alpha shading by vertex, but no wrinkle maps");
+  }
+
+  SourceScene scene_;
+  const Recipe& recipe_;
+  const CookOptions& options_;
+  std::string recipe_file_;
+  CookReport report_;
+  Weld weld_;
+  Surface surface_;
+  std::vector<PackedPart> parts_;
+  std::vector<PartGeometry> geometry_;
+  std::vector<uint32_t> source_vertex_;
+  std::vector<std::pair<uint32_t, uint32_t>> place_points_;
+  std::vector<std::filesystem::path> dependencies_;
+  uint32_t influences_ = 1;
+  double position_error_ = 0.0;
+};
+
+}  // namespace
+
+Cooked cook(SourceScene scene, const Recipe& recipe, const CookOptions& options) { return Cook(std::move(scene), recipe, options).run(); }
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,34 @@
+#pragma once
+
+// The bytes of a .furrow file.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pipeline/bake/rings.h"
+#include "pipeline/bake/weld.h"
+#include "pipeline/layer_bake.h"
+#include "pipeline/map_bake.h"
+#include "pipeline/pack/geometry.h"
+
+namespace furrow::pipeline {
+
+struct PackInput {
+  const SourceScene& scene;
+  const Surface& surface;
+  const Weld& weld;
+  const Rings& rings;
+  const Recipe& recipe;
+  const std::vector<BakedLayer>& layers;
+  const std::vector<BakedTextureSet>& texture_sets;
+  const std::vector<PackedPart>& parts;                // by surface part
+  const std::vector<uint32_t>& source_vertex;          // of the surface's vertices
+  const std::vector<std::pair<uint32_t, uint32_t>>& place_points;  // a place: first point, how many
+  uint32_t influences = 1;
+  double position_error = 0.0;
+};
+
+std::vector<std::byte> writeAsset(const PackInput& input);
+
+}  // namespace furrow::pipeline
