@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "editor/cli/commands.h"
+#include "editor/cli/pose_options.h"
+#include "editor/preview/headless_context.h"
+#include "furrow/gl/executor.h"
+#include "pipeline/error.h"
+#include "pipeline/pack/output_file.h"
+
+namespace furrow::cli {
+namespace {
+
+using pipeline::Error;
+using pipeline::Exit;
+
+struct Options {
+  std::string asset, out;
+  PoseOptions pose;
+};
+
+struct Result {
+  std::vector<Float3> positions;
+  std::vector<float> q;  // layer-major, a point
+  std::vector<int16_t> weights;
+};
+
+void require(const Status& status) {
+  if (!status.ok()) throw Error(Exit::kBadUsage, "frame", status.message, "check the pose options");
+}
+
+Result runCpu(const AssetView& asset, const FrameInput& input) {
+  Result result;
+  const uint32_t vertices = asset.vertexCount();
+  result.positions.resize(vertices);
+  result.q.resize(size_t{asset.pointCount()} * asset.layerCount());
+  result.weights.resize(size_t{vertices} * asset.weightStride());
+  const DeformJob deform{&asset, input.palette, input.morph_weights, result.positions, {}, {}};
+  require(deform.validate());
+  deform.run(0, vertices);
+  std::vector<float> triangle_q(asset.triangleCount());
+  for (uint32_t l = 0; l < asset.layerCount(); ++l) {
+    const CompressJob compress{&asset, l, result.positions, input.scale, triangle_q};
+    require(compress.validate());
+    compress.run(0, asset.triangleCount());
+    const std::span<float> q = std::span(result.q).subspan(size_t{l} * asset.pointCount(), asset.pointCount());
+    const SmoothJob smooth{&asset, triangle_q, q};
+    require(smooth.validate());
+    smooth.run(0, asset.pointCount());
+    const RespondJob respond{&asset, l, asset.layers[l].response, input.region_weights[l], q, result.weights};
+    require(respond.validate());
+    respond.run(0, vertices);
+  }
+  return result;
+}
+
+Result runGpu(const AssetView& asset, const FrameInput& input) {
+  const PlanOptions options{false, false};
+  const FramePlan plan(asset, options);
+  gl::Executor executor;
+  if (const Status status = executor.create(plan); !status.ok()) throw Error(Exit::kEnvironment, "--backend gpu", status.message, "use --backend cpu");
+  std::vector<std::byte> frame(plan.buffer(Buffer::kFrame).bytes), morphs(plan.buffer(Buffer::kMorphWeights).bytes);
+  writeFrameConstants(asset, options, input, frame);
+  writeMorphWeights(asset, input, morphs);
+  executor.upload(Buffer::kFrame, frame);
+  if (!morphs.empty()) executor.upload(Buffer::kMorphWeights, morphs);
+  executor.upload(Buffer::kPalette, std::as_bytes(input.palette));
+  executor.run();
+  Result result;
+  result.positions.resize(asset.vertexCount());
+  result.q.resize(size_t{asset.pointCount()} * asset.layerCount());
+  result.weights.resize(size_t{asset.vertexCount()} * asset.weightStride());
+  executor.read(Buffer::kPositions, std::as_writable_bytes(std::span(result.positions)));
+  executor.read(Buffer::kPointQ, std::as_writable_bytes(std::span(result.q)));
+  executor.read(Buffer::kWeights, std::as_writable_bytes(std::span(result.weights)));
+  return result;
+}
+
+std::string csv(const AssetView& asset, const Result& result, const double* origin) {
+  std::string text = "vertex,point,x,y,z";
+  for (const Layer& layer : asset.layers) text += ",alpha_" + std::string(layer.name) + ",weight_" + std::string(layer.name);
+  text += '\n';
+  std::vector<uint32_t> asset_vertex(asset.vertexCount());
+  for (uint32_t v = 0; v < asset.vertexCount(); ++v) asset_vertex[asset.source_vertex[v]] = v;
+  char cell[160];
+  for (uint32_t source = 0; source < asset.vertexCount(); ++source) {
+    const uint32_t v = asset_vertex[source];
+    const uint32_t point = asset.vertex_point[v];
+    const Float3 p = result.positions[v];
+    std::snprintf(cell, sizeof cell, "%u,%u,%.9g,%.9g,%.9g", source, point, p.x + origin[0], p.y + origin[1], p.z + origin[2]);
+    text += cell;
+    for (uint32_t l = 0; l < asset.layerCount(); ++l) {
+      const float q = result.q[size_t{l} * asset.pointCount() + point];
+      std::snprintf(cell, sizeof cell, ",%.9g,%.9g", 1.0 / std::max(q, kMinQ), result.weights[v * size_t{asset.weightStride()} + l] / 32767.0);
+      text += cell;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+void run(const Options& options) {
+  const OpenedAsset opened = openAsset(options.asset);
+  const PosedFrame frame = poseFrame(opened, options.pose);
+  std::unique_ptr<preview::HeadlessContext> context;
+  std::string context_error;
+  if (options.pose.backend != "cpu") {
+    try {
+      context = std::make_unique<preview::HeadlessContext>();
+    } catch (const Error& error) {
+      context_error = error.what();
+    }
+  }
+  const AssetView& asset = opened.asset.view();
+  const Result result = chooseGpu(options.pose.backend, context_error) ? runGpu(asset, frame.input) : runCpu(asset, frame.input);
+  const std::string text = csv(asset, result, frame.origin);
+  if (!options.out.empty())
+    pipeline::writeFile(options.out, std::as_bytes(std::span(text)));
+  else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(Exit::kEnvironment, "standard output", "cannot be written", "name a file with -o");
+}
+
+}  // namespace
+
+Command addEval(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("eval", "Weights of every vertex in one pose, as CSV");
+  const auto options = std::make_shared<Options>();
+  command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
+  command->add_option("-o,--output", options->out, "CSV file (default: standard output)");
+  options->pose.add(*command);
+  return [options] { run(*options); };
+}
+
+}  // namespace furrow::cli

@@ -1,0 +1,43 @@
+// furrow: cook, inspect and preview wrinkle assets from the command line.
+
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <string>
+
+#include "editor/cli/commands.h"
+#include "pipeline/error.h"
+
+int main(int argc, char** argv) {
+  using furrow::pipeline::Exit;
+  CLI::App app("furrow: wrinkles computed on every frame from how the surface is squeezed");
+  app.set_version_flag("--version", "furrow " FURROW_VERSION);
+  app.require_subcommand(1);
+  app.footer("Exit status: 0 done, 1 bad data, 2 bad usage, 3 environment (GL or a forced backend not available, disk).");
+  const std::map<std::string, furrow::cli::Command> commands = {{"cook", furrow::cli::addCook(app)},
+                                                                {"info", furrow::cli::addInfo(app)},
+                                                                {"check", furrow::cli::addCheck(app)},
+                                                                {"eval", furrow::cli::addEval(app)},
+                                                                {"render", furrow::cli::addRender(app)}};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "furrow: %s: see 'furrow --help' or 'furrow COMMAND --help'\n", error.what());
+    return static_cast<int>(Exit::kBadUsage);
+  }
+  try {
+    commands.at(app.get_subcommands().front()->get_name())();
+    return static_cast<int>(Exit::kDone);
+  } catch (const furrow::pipeline::Error& error) {
+    std::fprintf(stderr, "furrow: %s\n", error.what());
+    return static_cast<int>(error.exit());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "furrow: out of memory: close other programs or cook a smaller file\n");
+    return static_cast<int>(Exit::kEnvironment);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "furrow: unexpected fault (%s): please report it\n", error.what());
+    return static_cast<int>(Exit::kBadData);
+  }
+}

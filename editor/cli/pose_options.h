@@ -1,0 +1,39 @@
+#pragma once
+
+// The options that choose a pose, shared by eval and render.
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "editor/cli/open_asset.h"
+#include "furrow/frame_plan.h"
+
+namespace furrow::cli {
+
+struct PoseOptions {
+  std::string clip;
+  double time = 0.0;
+  std::vector<std::string> morphs, regions;
+  double scale = 1.0;
+  std::string backend = "auto";
+
+  void add(CLI::App& command);
+};
+
+// The arrays behind a FrameInput. Palette translations are relative to `origin`.
+struct PosedFrame {
+  std::vector<Affine> palette;
+  std::vector<float> morph_weights, region_weights;
+  double origin[3] = {};
+  FrameInput input;
+};
+
+// Throws Error (kBadUsage) for a clip, morph target or layer that the asset lacks, naming those it has.
+PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options);
+
+// The tier to run: "gpu" or "cpu". For auto, cpu where there is no OpenGL 4.3, and says so on stderr. A forced tier that is missing throws
+// Error (kEnvironment). Needs a current context for gpu: `context_error` says why there is none, or is empty.
+bool chooseGpu(const std::string& backend, const std::string& context_error);
+
+}  // namespace furrow::cli
