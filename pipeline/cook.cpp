@@ -125,14 +125,13 @@ class Cook {
       std::vector<glm::uvec3> triangles;
       for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
       const std::vector<glm::vec4> frames = primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles) : primitive.tangents;
-      PackedPart packed = packGeometry(primitive, normals, frames, options_.geometry);
+      PackedPart packed = packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1, options_.geometry);
       packed.mesh = part.mesh;
       if (part.material < scene_.materials.size()) {
         packed.material = scene_.materials[part.material].name;
         packed.base_color = scene_.materials[part.material].base_color;
       }
       packed.palette_begin = part.palette_begin;
-      packed.palette_count = part.skinned ? part.palette_count : 1;
       packed.rest = bindMatrix(scene_, part);
       packed.has_normals = !primitive.normals.empty();
       packed.has_uvs = !primitive.uvs.empty();

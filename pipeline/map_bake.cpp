@@ -16,6 +16,7 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr double kTexelsASpacing = 12.0;
+constexpr uint32_t kOverlapSize = 256;
 constexpr uint32_t kLeastSize = 64, kMostSize = 2048, kMostMaskSize = 512;
 constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
 constexpr double kSkinDepth = 0.16, kClothDepth = 0.24;  // of the spacing
@@ -33,7 +34,7 @@ class MapBake {
       : in_(input), recipe_(recipe), layers_(layers), threads_(threads), dependencies_(dependencies) {}
 
   std::vector<BakedTextureSet> bake() {
-    std::map<uint32_t, BakedTextureSet> by_material;
+    std::map<uint32_t, BakedTextureSet> by_material;  // in material order, so that the result is the same on every run
     for (uint32_t p = 0; p < in_.surface.parts.size(); ++p) {
       if (!in_.surface.parts[p].has_uvs) continue;
       const uint32_t material = in_.scene.parts[in_.surface.parts[p].source_part].material;
@@ -46,14 +47,32 @@ class MapBake {
       stretch_.push_back(prepare(recipe_.layers[l].stretch, layers_[l]));
     }
     std::vector<BakedTextureSet> sets;
-    for (auto& [material, set] : by_material) {
-      bakeSet(set);
-      sets.push_back(std::move(set));
-    }
+    for (auto& [material, set] : by_material) join(sets, std::move(set));
+    for (BakedTextureSet& set : sets) bakeSet(set);
     return sets;
   }
 
  private:
+  // Adds a set to the first one that draws at about the same scale into other texels, or to the end.
+  void join(std::vector<BakedTextureSet>& sets, BakedTextureSet set) {
+    std::vector<bool> texels(size_t{kOverlapSize} * kOverlapSize);
+    const TexelMap map = mapTexels(in_.surface, set.parts, kOverlapSize, 0);
+    for (size_t i = 0; i < texels.size(); ++i) texels[i] = map.triangle[i] != kNoIndex;
+    const double length = lengthOfUv(set);
+    for (size_t s = 0; s < sets.size(); ++s) {
+      const double other = lengthOfUv(sets[s]);
+      if (length > 1.5 * other || other > 1.5 * length) continue;
+      size_t overlap = 0;
+      for (size_t i = 0; i < texels.size(); ++i) overlap += texels[i] && taken_[s][i];
+      if (overlap > texels.size() / 1000) continue;
+      for (size_t i = 0; i < texels.size(); ++i) taken_[s][i] = taken_[s][i] || texels[i];
+      sets[s].parts.insert(sets[s].parts.end(), set.parts.begin(), set.parts.end());
+      return;
+    }
+    sets.push_back(std::move(set));
+    taken_.push_back(std::move(texels));
+  }
+
   struct Source {
     std::optional<SynthesisSettings> settings;
     std::shared_ptr<Synthesis> synthesis;
@@ -222,6 +241,7 @@ class MapBake {
   uint32_t threads_;
   std::vector<std::filesystem::path>& dependencies_;
   std::vector<Source> compress_, stretch_;
+  std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
 };
 
 }  // namespace

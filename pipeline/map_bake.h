@@ -14,7 +14,7 @@ struct BakedTextureSet {
   std::vector<uint32_t> compress_slice, stretch_slice;  // a layer, kAbsent: none
 };
 
-// Sets for all parts with UVs, by material. `dependencies` gains the images read. Throws Error (kBadData) for an image that cannot be used.
+// Sets for all parts with UVs: by material, materials whose charts share one atlas without overlapping together. `dependencies` gains the images read. Throws Error (kBadData) for an image that cannot be used.
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies);
 

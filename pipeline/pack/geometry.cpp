@@ -137,8 +137,9 @@ Status decodePacked(const PackedPart& part, uint32_t influences, PartGeometry& o
 }  // namespace
 
 PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals, std::span<const glm::vec4> tangents,
-                        GeometryCodec codec) {
+                        uint32_t palette_count, GeometryCodec codec) {
   PackedPart part;
+  part.palette_count = palette_count;
   part.vertices = static_cast<uint32_t>(primitive.positions.size());
   part.triangles = static_cast<uint32_t>(primitive.indices.size() / 3);
   part.attributes.push_back(quantize(format::Semantic::Position, primitive.positions, positionBits(primitive)));

@@ -45,7 +45,7 @@ struct PackedPart {
 // UVs and weights to 16. With Draco the vertices get a new order and faces without area are dropped; a mesh that would lose vertices that
 // way is encoded in its own order.
 PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals, std::span<const glm::vec4> tangents,
-                        GeometryCodec codec);
+                        uint32_t palette_count, GeometryCodec codec);
 
 flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& builder, const PackedPart& part);
 
