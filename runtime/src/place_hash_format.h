@@ -1,7 +1,7 @@
 #pragma once
 
 // The bytes of a place hash and the function they encode: shared by the reader (place_hash.cpp) and the
-// builder (pipeline/bake/perfect_hash.cpp). docs/format_place_hash.md describes both in words.
+// builder (pipeline/bake/perfect_hash.cpp). docs/format.md describes both in words.
 
 #include <bit>
 #include <compare>

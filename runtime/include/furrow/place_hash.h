@@ -16,7 +16,7 @@ namespace furrow {
 // to [0, n) one to one, in under 4 bits a place, beside a 32-bit check value of each place. Owns nothing and
 // allocates nothing; any number of threads may read one.
 //
-// Section layout, little endian: docs/format_place_hash.md.
+// Section layout, little endian: docs/format.md.
 class PlaceHash {
  public:
   // Checks every count and index of the section. kBadData if it is not sound; the hash is then empty.
