@@ -1,7 +1,7 @@
 # make deps    install the Debian packages that the build needs
 # make build   release build; programs in build/bin
 # make test    build, then run every test; the last line is "N passed, N failed, N skipped"
-# make demo    make the demo characters, cook them and render pictures into build/demo
+# make demo    make the demo characters, cook them and render pictures into out
 # make clean   remove every build folder
 
 JOBS ?= $(shell nproc)
@@ -15,11 +15,11 @@ build:
 	cmake --preset release $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 	cmake --build build -j $(JOBS)
 
-test: build
+test: deps build
 	tools/test.sh build $(JOBS)
 
-demo: build
-	tools/demo.sh build/bin build/content build/demo
+demo: deps build
+	tools/demo.sh build/bin build/content out
 
 clean:
-	rm -rf build build-dev build-asan build-clang build-fuzz
+	rm -rf build build-dev build-asan build-clang build-fuzz out

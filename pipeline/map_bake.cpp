@@ -103,10 +103,14 @@ class MapBake {
     return source;
   }
 
+  // Whether the layer shows on a triangle of the set; a point that it merely shares with a neighbour's part does not count.
   bool reaches(const BakedLayer& layer, const BakedTextureSet& set) const {
     for (uint32_t part : set.parts)
-      for (uint32_t v = in_.surface.parts[part].vertex_begin; v < in_.surface.parts[part].vertex_end; ++v)
-        if (layer.field.strength[in_.surface.vertex_point[v]] >= 1.0f / 255.0f) return true;
+      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end; ++t) {
+        const glm::uvec3 p = in_.surface.trianglePoints(t);
+        const auto shows = [&](uint32_t point) { return layer.field.strength[point] >= 1.0f / 255.0f; };
+        if (layer.covered[t] && (shows(p.x) || shows(p.y) || shows(p.z))) return true;
+      }
     return false;
   }
 

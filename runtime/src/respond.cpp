@@ -54,21 +54,22 @@ inline int16_t toSnorm16(float w) {
   return static_cast<int16_t>(std::bit_cast<int32_t>(w * 32767.0f + 12582912.0f) - 0x4b400000);
 }
 
+// Blocks of vertices are gathered first, so that the arithmetic vectorises.
 template <typename Weight>
 void respondVertices(const RespondJob& job, uint32_t begin, uint32_t end, Weight weight) {
+  constexpr uint32_t kBlock = 256;
   const uint32_t* vertex_point = job.asset->vertex_point.data();
-  const int16_t* bias = job.asset->layers[job.layer].bias.data();
+  const std::span<const int16_t> bias = job.asset->layers[job.layer].bias;
   const size_t stride = job.asset->weightStride();
-  int16_t* out = job.weights.data() + job.layer;
-  const float* q = job.q.data();
-  if (job.asset->layers[job.layer].bias.empty()) {
-    for (uint32_t v = begin; v < end; ++v)
-      out[v * stride] = toSnorm16(clampUnit(weight(std::max(q[vertex_point[v]], kMinQ)) + job.region));
-  } else {
-    for (uint32_t v = begin; v < end; ++v)
-      out[v * stride] = toSnorm16(clampUnit(
-          (weight(std::max(q[vertex_point[v]], kMinQ)) + static_cast<float>(bias[v]) * (1.0f / 32767.0f)) +
-          job.region));
+  float q[kBlock], offset[kBlock] = {};
+  int16_t weights[kBlock];
+  for (uint32_t first = begin; first < end; first += kBlock) {
+    const uint32_t count = std::min(kBlock, end - first);
+    for (uint32_t i = 0; i < count; ++i) q[i] = job.q[vertex_point[first + i]];
+    for (uint32_t i = 0; !bias.empty() && i < count; ++i) offset[i] = static_cast<float>(bias[first + i]) * (1.0f / 32767.0f);
+    for (uint32_t i = 0; i < count; ++i) weights[i] = toSnorm16(clampUnit((weight(std::max(q[i], kMinQ)) + offset[i]) + job.region));
+    int16_t* out = job.weights.data() + first * stride + job.layer;
+    for (uint32_t i = 0; i < count; ++i) out[i * stride] = weights[i];
   }
 }
 

@@ -1,0 +1,273 @@
+// Answers that can be worked out by hand, through the whole cook and the cpu tier.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "furrow/place_hash.h"
+#include "pipeline/import/import.h"
+#include "pipeline/pack/rig_section.h"
+#include "pipeline/scene/posing.h"
+#include "sheets.h"
+
+namespace furrow::tests {
+namespace {
+
+constexpr double kUnit = 1.0 / 8388608.0;  // 2^-23
+
+class Squeezed : public testing::TestWithParam<double> {};
+
+TEST_P(Squeezed, AlongTheDirectionAlphaIsOneOverSSquared) {
+  const double s = GetParam();
+  const Asset asset = cookAsset(sceneOf(sheet(8), [s](glm::dvec3 p) { return glm::dvec3(s * p.x, p.y, p.z); }), recipeOf({axisLayer({1, 0, 0})}));
+  const Frame frame = evaluate(asset.view(), {1.0f});
+  for (double alpha : frame.alpha) EXPECT_NEAR(alpha * s * s, 1.0, 2e-4);
+  const double alpha = 1.0 / (s * s);
+  for (double w : frame.weight) EXPECT_NEAR(w, std::tanh(2.0 * std::log(alpha)), 5e-4);  // lambda 1, beta 4: tanh(beta/2 ln alpha)
+}
+
+TEST_P(Squeezed, AcrossTheDirectionAlphaIsOne) {
+  const double s = GetParam();
+  const Asset asset = cookAsset(sceneOf(sheet(8), [s](glm::dvec3 p) { return glm::dvec3(p.x, s * p.y, p.z); }), recipeOf({axisLayer({1, 0, 0})}));
+  for (double alpha : evaluate(asset.view(), {1.0f}).alpha) EXPECT_NEAR(alpha, 1.0, 2e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ratios, Squeezed, testing::Values(0.125, 0.25, 0.5, 0.7, 0.9, 1.0, 1.43, 2.0));
+
+TEST(KnownAnswers, ShearFollowsFd) {
+  const double k = 0.6, angle = 0.4;
+  const glm::dvec3 d(std::cos(angle), std::sin(angle), 0.0);
+  const Asset asset = cookAsset(sceneOf(sheet(8), [k](glm::dvec3 p) { return glm::dvec3(p.x + k * p.y, p.y, p.z); }), recipeOf({axisLayer({d.x, d.y, 0})}));
+  const double q = (d.x + k * d.y) * (d.x + k * d.y) + d.y * d.y;
+  for (double alpha : evaluate(asset.view(), {1.0f}).alpha) EXPECT_NEAR(alpha, 1.0 / q, 3e-4);
+}
+
+TEST(KnownAnswers, AreaMeasureIsOatsWeight) {
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.measure = Measure::kArea;
+  layer.response.curve = Curve::kOat;
+  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3 p) { return glm::dvec3(0.8 * p.x, 0.5 * p.y, p.z); }), recipeOf({layer}));
+  const Frame frame = evaluate(asset.view(), {1.0f});
+  for (double alpha : frame.alpha) EXPECT_NEAR(alpha, 2.5, 1e-3);
+  for (double w : frame.weight) EXPECT_NEAR(w, 0.6, 1e-3);  // (A0 - A) / A0
+}
+
+TEST(KnownAnswers, DirectionalSeesWhatAreaDoesNot) {
+  pipeline::LayerRecipe area = axisLayer({1, 0, 0});
+  area.measure = Measure::kArea;
+  pipeline::LayerRecipe principal = axisLayer({1, 0, 0});
+  principal.measure = Measure::kPrincipal;
+  pipeline::LayerRecipe directional = axisLayer({1, 0, 0});
+  area.name = "area";
+  principal.name = "principal";
+  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y / 0.7, p.z); }), recipeOf({directional, area, principal}));
+  const Frame frame = evaluate(asset.view(), {1.0f});
+  for (float q : frame.q[0]) EXPECT_NEAR(q, 0.49, 1e-3);
+  for (float q : frame.q[1]) EXPECT_NEAR(q, 1.0, 1e-3);
+  for (float q : frame.q[2]) EXPECT_NEAR(q, 0.49, 1e-3);
+}
+
+TEST(KnownAnswers, RigidMotionAndInstanceScaleLeaveBiasAndRegion) {
+  Primitive primitive = sheet(8);
+  pipeline::Attribute color{"COLOR_0", 4, {}};
+  for (size_t v = 0; v < primitive.positions.size(); ++v) color.values.insert(color.values.end(), {0.6f, 0.0f, 0.0f, 1.0f});
+  primitive.attributes.push_back(color);
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.bias = pipeline::Bias{"COLOR_0", 0, 0.5};
+  const auto same = [](glm::dvec3 p) { return p; };
+  const float c = std::cos(1.1f), s = std::sin(1.1f);
+  for (const auto codec : {pipeline::GeometryCodec::kDraco, pipeline::GeometryCodec::kRaw}) {
+    const Asset asset = cookAsset(sceneOf(primitive, same), recipeOf({layer}), codec);
+    for (const float scale : {1.0f, 3.0f}) {
+      Affine pose;
+      const float m[12] = {scale * c, -scale * s, 0, 5, scale * s, scale * c, 0, -2, 0, 0, scale, 1};
+      std::copy(std::begin(m), std::end(m), pose.m);
+      const Frame frame = evaluate(asset.view(), {0.0f}, pose, scale, 0.25f);
+      const double bound = 8.0 * kUnit * (8.0 * scale) / (scale * 0.088);  // largest coordinate over smallest altitude
+      for (double alpha : frame.alpha) EXPECT_NEAR(alpha, 1.0, bound);
+      for (double w : frame.weight) EXPECT_NEAR(w, 0.2 + 0.25, 2.5 * bound + 1e-4);  // I(1) = 0 at lambda 1
+    }
+  }
+}
+
+TEST(KnownAnswers, SplittingATriangleOfAFanChangesNothing) {
+  Primitive fan;
+  fan.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  fan.indices = {0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1};
+  Primitive split = fan;
+  split.positions.push_back({0.5f, 0.5f, 0.0f});
+  split.indices = {0, 1, 5, 0, 5, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1};
+  // Each quadrant is squeezed differently, linearly inside, so that both halves of the split one have its F.
+  const auto deform = [](glm::dvec3 p) { return glm::dvec3((p.x > 0.0 ? 0.6 : 0.9) * p.x, p.y, p.z); };
+  const double whole = evaluate(cookAsset(sceneOf(fan, deform), recipeOf({axisLayer({1, 0, 0})})).view(), {1.0f}).alpha[0];
+  const double halves = evaluate(cookAsset(sceneOf(split, deform), recipeOf({axisLayer({1, 0, 0})})).view(), {1.0f}).alpha[0];
+  EXPECT_NEAR(whole, 1.0 / (0.5 * 0.36 + 0.5 * 0.81), 1e-3);
+  EXPECT_NEAR(whole, halves, 1e-4);
+}
+
+Primitive cylinder(bool cut) {
+  constexpr uint32_t kAround = 24, kUp = 10;
+  Primitive p;
+  const uint32_t columns = cut ? kAround + 1 : kAround;
+  for (uint32_t y = 0; y <= kUp; ++y)
+    for (uint32_t x = 0; x < columns; ++x) {
+      const double angle = 2.0 * std::numbers::pi * (x % kAround) / kAround;
+      p.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(y) * 0.2f, static_cast<float>(std::sin(angle))});
+      p.uvs.push_back({static_cast<float>(x) / kAround, static_cast<float>(y) / kUp});
+    }
+  for (uint32_t y = 0; y < kUp; ++y)
+    for (uint32_t x = 0; x < kAround; ++x) {
+      const uint32_t right = (x + 1) % columns;
+      const uint32_t a = y * columns + x, b = y * columns + right, c = a + columns, d = b + columns;
+      p.indices.insert(p.indices.end(), {a, c, b, b, c, d});
+    }
+  return p;
+}
+
+TEST(KnownAnswers, BothSidesOfASeamAreBitIdenticalAndEqualTheUncutCylinder) {
+  const auto bend = [](glm::dvec3 p) { return glm::dvec3(p.x, p.y * (0.7 + 0.2 * p.x), p.z); };
+  const Asset cut = cookAsset(sceneOf(cylinder(true), bend), recipeOf({axisLayer({0, 1, 0})}), pipeline::GeometryCodec::kRaw);
+  const Asset whole = cookAsset(sceneOf(cylinder(false), bend), recipeOf({axisLayer({0, 1, 0})}), pipeline::GeometryCodec::kRaw);
+  EXPECT_EQ(cut.view().pointCount(), whole.view().pointCount());
+  const Frame a = evaluate(cut.view(), {1.0f}), b = evaluate(whole.view(), {1.0f});
+  for (uint32_t y = 0; y <= 10; ++y) {
+    EXPECT_EQ(a.alpha[y * 25], a.alpha[y * 25 + 24]);
+    EXPECT_EQ(a.weight[y * 25], a.weight[y * 25 + 24]);
+    for (uint32_t x = 0; x < 24; ++x) EXPECT_NEAR(a.alpha[y * 25 + x], b.alpha[y * 24 + x], 1e-5);
+  }
+}
+
+TEST(KnownAnswers, VerticesThatTouchButMoveApartAreTwoPoints) {
+  Primitive lips;
+  lips.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {0, -1, 0}};
+  lips.indices = {0, 1, 2, 3, 5, 4};
+  uint32_t vertex = 0;
+  const auto open = [&vertex](glm::dvec3 p) { return vertex++ < 3 ? p : p - glm::dvec3(0, 0.3, 0); };
+  EXPECT_EQ(cookAsset(sceneOf(lips, open), recipeOf({axisLayer({1, 0, 0})})).view().pointCount(), 6u);
+  EXPECT_EQ(cookAsset(sceneOf(lips, [](glm::dvec3 p) { return 0.5 * p; }), recipeOf({axisLayer({1, 0, 0})})).view().pointCount(), 4u);
+}
+
+TEST(KnownAnswers, NothingDependsOnHowTheRangesAreSplit) {
+  const Asset asset = cookAsset(sceneOf(sheet(13), [](glm::dvec3 p) { return glm::dvec3(p.x * p.x, p.y, 0.2 * p.x); }), recipeOf({axisLayer({1, 0, 0})}));
+  EXPECT_EQ(evaluate(asset.view(), {1.0f}).weights, evaluate(asset.view(), {1.0f}, {}, 1.0f, 0.0f, 7).weights);
+}
+
+TEST(KnownAnswers, CollapsedAndNonFiniteInputGivesFiniteWeights) {
+  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3) { return glm::dvec3(0.0); }), recipeOf({axisLayer({1, 0, 0})}));
+  for (double w : evaluate(asset.view(), {1.0f}).weight) EXPECT_NEAR(w, 1.0, 1e-3);
+  Affine broken;
+  broken.m[0] = std::numeric_limits<float>::quiet_NaN();
+  for (double alpha : evaluate(asset.view(), {0.0f}, broken).alpha) EXPECT_TRUE(std::isfinite(alpha));
+  broken.m[0] = std::numeric_limits<float>::infinity();
+  for (double alpha : evaluate(asset.view(), {0.0f}, broken).alpha) EXPECT_TRUE(std::isfinite(alpha));
+}
+
+TEST(KnownAnswers, TheHashBindsEverySourcePositionToItsPoint) {
+  const Primitive primitive = cylinder(true);
+  const Asset asset = cookAsset(sceneOf(primitive, [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
+  const AssetView& view = asset.view();
+  PlaceHash hash;
+  ASSERT_TRUE(hash.open(view.place_hash).ok());
+  std::vector<uint32_t> point_of_source(view.vertexCount());
+  for (uint32_t v = 0; v < view.vertexCount(); ++v) point_of_source[view.source_vertex[v]] = view.vertex_point[v];
+  for (uint32_t v = 0; v < primitive.positions.size(); ++v) {
+    const glm::vec3 p = primitive.positions[v];
+    const auto place = hash.find({p.x, p.y, p.z});
+    ASSERT_TRUE(place.has_value());
+    EXPECT_EQ(view.place_points[2 * *place], point_of_source[v]);
+    EXPECT_EQ(view.place_points[2 * *place + 1], 1u);
+  }
+  EXPECT_FALSE(hash.find({0.123f, 9.0f, 4.0f}).has_value());
+}
+
+TEST(Asset, RefusesEveryTruncationAndEveryChangedByte) {
+  const std::vector<std::byte> bytes = pipeline::cook(sceneOf(sheet(3), [](glm::dvec3 p) { return p * 0.9; }), recipeOf({axisLayer({1, 0, 0})}), {}).bytes;
+  Asset asset;
+  ASSERT_TRUE(asset.load(bytes).ok());
+  for (size_t length = 0; length < bytes.size(); ++length) ASSERT_FALSE(asset.load({bytes.data(), length}).ok()) << length;
+  std::vector<std::byte> changed = bytes;
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    changed[i] ^= std::byte{0x10};
+    ASSERT_FALSE(asset.load(changed).ok()) << i;
+    changed[i] = bytes[i];
+  }
+  changed.push_back(std::byte{0});
+  EXPECT_FALSE(asset.load(changed).ok());
+}
+
+TEST(Cook, GivesTheSameBytesAgain) {
+  const auto make = [](uint32_t threads) {
+    pipeline::CookOptions options;
+    options.threads = threads;
+    return pipeline::cook(sceneOf(sheet(12), [](glm::dvec3 p) { return glm::dvec3(p.x * (0.5 + 0.5 * p.x), p.y, 0.0); }), pipeline::defaultRecipe(), options).bytes;
+  };
+  EXPECT_EQ(make(1), make(1));
+  EXPECT_EQ(make(1), make(3));
+}
+
+TEST(Cook, AnimationDirectionsFollowTheSqueeze) {
+  const double angle = 0.5;
+  const glm::dvec3 d(std::cos(angle), std::sin(angle), 0.0);
+  pipeline::Recipe recipe = pipeline::defaultRecipe();
+  recipe.layers[0].compress = pipeline::MapNone{};
+  const Asset asset = cookAsset(sceneOf(sheet(10), [d](glm::dvec3 p) { return p - 0.4 * glm::dot(p, d) * d; }), recipe);
+  const Layer& layer = asset.view().layers[0];
+  for (uint32_t p = 0; p < asset.view().pointCount(); ++p) {
+    const glm::dvec3 baked(layer.directions[4 * p], layer.directions[4 * p + 1], layer.directions[4 * p + 2]);
+    const double cosine = glm::dot(glm::normalize(baked), d);
+    EXPECT_GT(std::abs(cosine), std::cos(2.0 * std::numbers::pi / 180.0));
+  }
+  for (double alpha : evaluate(asset.view(), {1.0f}).alpha) EXPECT_NEAR(alpha, 1.0 / 0.36, 5e-3);
+}
+
+// The deform job against the importer's reference in double, on real files.
+class Posed : public testing::TestWithParam<const char*> {};
+
+TEST_P(Posed, EqualsTheReferenceWithinAHundredThousandthOfTheDiagonal) {
+  const std::filesystem::path file = std::filesystem::path(FURROW_CORPUS) / GetParam();
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no corpus";
+  const SourceScene scene = pipeline::import(file);
+  pipeline::Recipe recipe = pipeline::defaultRecipe();
+  recipe.layers[0].compress = pipeline::MapNone{};
+  const Asset asset = cookAsset(scene, recipe);
+  const AssetView& view = asset.view();
+  const pipeline::Rig rig = pipeline::readRig(view.rig);
+  pipeline::Pose pose = pipeline::defaultPose(rig);
+  if (!rig.clips.empty()) pipeline::applyClip(rig, rig.clips[0], 0.4 * rig.clips[0].duration, pose);
+  const pipeline::PosedRig posed = pipeline::evaluate(rig, pose);
+  std::vector<Affine> palette;
+  for (const glm::dmat4& m : posed.palette) {
+    Affine& affine = palette.emplace_back();
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) affine.m[4 * row + column] = static_cast<float>(m[column][row]);
+  }
+  const std::vector<float> morphs(posed.morph_weights.begin(), posed.morph_weights.end());
+  std::vector<Float3> positions(view.vertexCount());
+  const DeformJob deform{&view, palette, morphs, positions, {}, {}};
+  ASSERT_TRUE(deform.validate().ok());
+  deform.run(0, view.vertexCount());
+
+  std::vector<glm::dvec3> reference;
+  for (const pipeline::Part& part : scene.parts)
+    for (const glm::dvec3& p : pipeline::posePart(scene, part, posed)) reference.push_back(p);
+  glm::dvec3 lowest(INFINITY), highest(-INFINITY);
+  for (const glm::dvec3& p : reference) {
+    lowest = glm::min(lowest, p);
+    highest = glm::max(highest, p);
+  }
+  const double diagonal = glm::distance(lowest, highest);
+  double worst = 0.0;
+  for (uint32_t v = 0; v < view.vertexCount(); ++v)
+    worst = std::max(worst, glm::distance(reference[view.source_vertex[v]], glm::dvec3(positions[v].x, positions[v].y, positions[v].z)));
+  RecordProperty("worst_of_diagonal", std::to_string(worst / diagonal));
+  EXPECT_LE(worst, 2e-5 * diagonal);
+}
+
+INSTANTIATE_TEST_SUITE_P(Corpus, Posed,
+                         testing::Values("skinned/CesiumMan.glb", "skinned/simple_skin/simple_skin.gltf", "morph/SimpleMorph/SimpleMorph.gltf",
+                                         "morph/MorphStressTest/MorphStressTest.gltf", "face/ict_facekit_generic_55targets.glb",
+                                         "face/makehuman_body_34targets_skinned.glb", "face/valid/Asian_F_1_Casual.glb"));
+
+}  // namespace
+}  // namespace furrow::tests
