@@ -12,10 +12,6 @@ inline float clampQ(float q) {
   return q >= 0.0f ? std::min(q, kMaxQ) : 1.0f;
 }  // NaN compares false
 
-Float3 edge(Float3 to, Float3 from) {
-  return {to.x - from.x, to.y - from.y, to.z - from.z};
-}
-
 float directional(Float3 e1, Float3 e2, const float* c, float inverse_scale2) {
   const float x = c[0] * e1.x + c[1] * e2.x;
   const float y = c[0] * e1.y + c[1] * e2.y;
