@@ -75,6 +75,7 @@ class MapBake {
 
   struct Source {
     std::optional<SynthesisSettings> settings;
+    std::shared_ptr<LayerField> field;  // outlives the synthesis
     std::shared_ptr<Synthesis> synthesis;
   };
 
@@ -99,7 +100,12 @@ class MapBake {
     if (!(settings.spacing > 0.0)) return source;
     if (wanted) settings.seed = wanted->seed;
     source.settings = settings;
-    if (wanted) source.synthesis = std::make_shared<Synthesis>(in_.surface, layer.field, settings);
+    if (wanted) {
+      // The mask fades the layer when it is drawn; the map itself is at full depth wherever the mask reaches.
+      source.field = std::make_shared<LayerField>(layer.field);
+      for (float& strength : source.field->strength) strength = strength > 0.0f ? 1.0f : 0.0f;
+      source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, settings);
+    }
     return source;
   }
 

@@ -40,7 +40,7 @@ picture face-extreme "face, extreme, wrinkles" "${camera[@]}" "${extreme[@]}"
 picture face-extreme-weight "face, extreme, weight of forehead" --view weight --layer forehead "${camera[@]}" "${extreme[@]}"
 
 model=sleeve
-camera=(--yaw 25 --pitch 15)
+camera=(--yaw -20 --pitch 30)
 extreme=(--clip bend --time 1)
 picture sleeve-neutral-plain "sleeve, neutral, no wrinkles" --shading none "${camera[@]}"
 picture sleeve-neutral "sleeve, neutral, wrinkles" "${camera[@]}"

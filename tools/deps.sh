@@ -8,10 +8,9 @@ packages=(
   # runtime
   libflatbuffers-dev libmeshoptimizer-dev libxxhash-dev libdraco-dev libepoxy-dev
   # pipeline and tools
-  libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libeigen3-dev libstb-dev libspdlog-dev libfmt-dev
-  libcli11-dev
+  libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libeigen3-dev libstb-dev   libcli11-dev
   # preview and editor
-  libegl-dev libglfw3-dev libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
+  libegl-dev libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev glslang-tools spirv-tools xvfb
 )
