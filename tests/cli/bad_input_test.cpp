@@ -1,0 +1,278 @@
+// What the tool does with files, recipes and options that will not do: one line, the documented status,
+// nothing left behind.
+
+#include <cmath>
+#include <limits>
+
+#include "runtime/src/asset_header.h"
+#include "tests/cli/tool.h"
+
+namespace furrow::test {
+namespace {
+
+const std::vector<float> kSquare = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+const std::vector<uint16_t> kTriangles = {0, 1, 2, 0, 2, 3};
+
+// A scene of one mesh whose primitive has these members.
+std::string scene(const std::string& primitive, const std::string& more = "") {
+  return R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)" + primitive +
+         "}]}]" + more;
+}
+
+std::string sheet(const std::vector<float>& positions = kSquare,
+                  const std::vector<uint16_t>& indices = kTriangles, const std::string& more = "") {
+  GltfBuilder builder;
+  builder.add(positions, "VEC3", 3);
+  builder.add(indices, "SCALAR", 1);
+  return builder.glb(scene(R"("attributes":{"POSITION":0},"indices":1)", more));
+}
+
+std::string blackSheet() {
+  GltfBuilder builder;
+  builder.add(kSquare, "VEC3", 3);
+  builder.add(kTriangles, "SCALAR", 1);
+  builder.add(std::vector<float>(16, 0.0f), "VEC4", 4);
+  return builder.glb(scene(R"("attributes":{"POSITION":0,"COLOR_0":2},"indices":1)"));
+}
+
+class BadInput : public ToolTest {
+ protected:
+  Outcome cook(const std::filesystem::path& source, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"cook", source, "-o", output() / "out.furrow"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  // Every command that reads a source refuses it.
+  void expectBadSource(const std::filesystem::path& source) const {
+    expectRefused(cook(source), 1, source);
+    expectRefused(run({"check", source}), 1, source);
+    expectRefused(run({"info", source}), 1, source);
+    expectRefused(run({"eval", source, "--backend", "cpu", "-o", output() / "out.csv"}), 1, source);
+  }
+
+  void expectBadRecipe(const std::string& source, const std::string& recipe, const std::string& named) const {
+    expectRefused(cook(write("sheet.glb", source), {"--recipe", write("recipe.json", recipe)}), 1, named);
+  }
+};
+
+TEST_F(BadInput, TheSheetItselfIsFine) {
+  const Outcome outcome = cook(write("sheet.glb", sheet()), {"--quiet"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_TRUE(std::filesystem::exists(output() / "out.furrow"));
+  EXPECT_EQ(run({"check", output() / "out.furrow"}).status, 0);
+}
+
+TEST_F(BadInput, MissingFile) {
+  expectBadSource(folder() / "missing.glb");
+}
+TEST_F(BadInput, MissingAsset) {
+  expectRefused(run({"check", folder() / "missing.furrow"}), 1, folder() / "missing.furrow");
+}
+TEST_F(BadInput, Folder) {
+  std::filesystem::create_directory(folder() / "folder.glb");
+  expectBadSource(folder() / "folder.glb");
+}
+TEST_F(BadInput, EmptyFile) {
+  expectBadSource(write("empty.glb", ""));
+  expectBadSource(write("empty.gltf", ""));
+  expectRefused(run({"check", write("empty.furrow", "")}), 1, "empty.furrow");
+}
+TEST_F(BadInput, NotAMesh) {
+  expectBadSource(write("words.glb", "These are words.\nNot a mesh.\n"));
+  expectBadSource(write("words.gltf", "{\"words\": \"a\nb\"}"));
+  expectBadSource(write("array.gltf", "[1, 2, 3]"));
+}
+TEST_F(BadInput, TruncatedBinary) {
+  const std::string whole = sheet();
+  for (size_t length : {4u, 11u, 12u, 19u, 20u, 60u})
+    expectBadSource(write("cut.glb", whole.substr(0, length)));
+  expectBadSource(write("cut.glb", whole.substr(0, whole.size() - 8)));
+}
+TEST_F(BadInput, MissingBuffer) {
+  GltfBuilder builder;
+  builder.add(kSquare, "VEC3", 3);
+  expectBadSource(write("alone.gltf", builder.json(scene(R"("attributes":{"POSITION":0})"), "missing.bin")));
+}
+TEST_F(BadInput, IndexOutOfRange) {
+  expectBadSource(write("index.glb", sheet(kSquare, {0, 1, 2, 0, 2, 4})));
+}
+TEST_F(BadInput, PositionsThatAreNoNumbers) {
+  for (float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    std::vector<float> positions = kSquare;
+    positions[4] = bad;
+    expectBadSource(write("nan.glb", sheet(positions)));
+  }
+}
+TEST_F(BadInput, NoTriangles) {
+  GltfBuilder builder;
+  builder.add(kSquare, "VEC3", 3);
+  expectBadSource(write("points.glb", builder.glb(scene(R"("attributes":{"POSITION":0},"mode":0)"))));
+  expectBadSource(write("empty_scene.gltf", R"({"asset":{"version":"2.0"},"scenes":[{}],"scene":0})"));
+}
+TEST_F(BadInput, RequiredExtensionNobodyKnows) {
+  const std::string more = R"(,"extensionsUsed":["ACME_folds"],"extensionsRequired":["ACME_folds"])";
+  const std::filesystem::path file = write("acme.glb", sheet(kSquare, kTriangles, more));
+  expectBadSource(file);
+  EXPECT_NE(cook(file).err.find("ACME_folds"), std::string::npos);
+}
+
+TEST_F(BadInput, RecipeThatIsMissing) {
+  expectRefused(cook(write("sheet.glb", sheet()), {"--recipe", folder() / "none.json"}), 3, "none.json");
+}
+TEST_F(BadInput, RecipeThatIsNoJson) {
+  expectBadRecipe(sheet(), "", "recipe.json");
+  expectBadRecipe(sheet(), "{\"layers\": [\n  {\"name\": \"a\",}\n]}", "recipe.json");
+}
+TEST_F(BadInput, RecipeWithAKeyNobodyKnows) {
+  expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "direktion": "animation"}]})", "recipe.json");
+  EXPECT_NE(cook(folder() / "sheet.glb", {"--recipe", folder() / "recipe.json"}).err.find("\"direction\""),
+            std::string::npos);
+}
+TEST_F(BadInput, RecipeNamingAMissingTexture) {
+  expectBadRecipe(sheet(),
+                  R"({"layers": [{"name": "a", "mask": {"texture": "missing.png", "channel": "r"}}]})",
+                  "missing.png");
+}
+TEST_F(BadInput, RecipeNamingATextureThatIsNone) {
+  write("words.png", "no picture");
+  expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"texture": "words.png", "channel": "r"}}]})",
+                  "words.png");
+}
+TEST_F(BadInput, RecipeNamingAMeshOrAttributeThatIsNone) {
+  expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "meshes": ["Nose"]}]})", "Nose");
+  expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"attribute": "_MASK", "channel": "r"}}]})",
+                  "_MASK");
+}
+TEST_F(BadInput, EmptyMask) {
+  expectBadRecipe(blackSheet(),
+                  R"({"layers": [{"name": "brow", "mask": {"attribute": "COLOR_0", "channel": "r"}}]})",
+                  "brow");
+}
+
+TEST_F(BadInput, OutputThatCannotBeWritten) {
+  const std::string source = write("sheet.glb", sheet()), target = folder() / "nowhere/out.furrow";
+  expectRefused(run({"cook", source, "-o", target, "--quiet"}), 3, target);
+  EXPECT_FALSE(std::filesystem::exists(folder() / "nowhere"));
+  expectRefused(run({"cook", source, "-o", output(), "--quiet"}), 3, output());
+  expectRefused(run({"eval", source, "--backend", "cpu", "-o", folder() / "nowhere/out.csv"}), 3, "out.csv");
+}
+TEST_F(BadInput, OutputOverTheInput) {
+  const std::filesystem::path source = write("sheet.glb", sheet());
+  expectRefused(run({"cook", source, "-o", source}), 2, source);
+  EXPECT_EQ(readText(source), sheet());
+}
+TEST_F(BadInput, AFailedCookKeepsTheOldAsset) {
+  const std::filesystem::path old = write("old.furrow", "an older asset");
+  expectRefused(run({"cook", write("index.glb", sheet(kSquare, {0, 1, 4})), "-o", old}), 1, "index.glb");
+  EXPECT_EQ(readText(old), "an older asset");
+}
+
+class DamagedAsset : public BadInput {
+ protected:
+  DamagedAsset() {
+    EXPECT_EQ(cook(write("sheet.glb", sheet())).status, 0);
+    whole_ = readText(output() / "out.furrow");
+    std::filesystem::remove(output() / "out.furrow");
+  }
+
+  void expectDamaged(const std::string& bytes) const {
+    const std::filesystem::path file = write("damaged.furrow", bytes);
+    expectRefused(run({"check", file}), 1, file);
+  }
+
+  std::string whole_;
+};
+
+TEST_F(DamagedAsset, AnyByteChanged) {
+  ASSERT_GT(whole_.size(), sizeof(AssetHeader));
+  const size_t payload = whole_.size() - sizeof(AssetHeader);
+  std::vector<size_t> offsets;
+  for (size_t i = 0; i < sizeof(AssetHeader); ++i) offsets.push_back(i);
+  for (size_t i = 0; i < 150; ++i) offsets.push_back(sizeof(AssetHeader) + i * (payload - 1) / 149);
+  for (size_t offset : offsets) {
+    SCOPED_TRACE("byte " + std::to_string(offset));
+    std::string bytes = whole_;
+    bytes[offset] = static_cast<char>(bytes[offset] ^ (1 << offset % 8));
+    expectDamaged(bytes);
+    if (HasFailure()) break;
+  }
+}
+
+TEST_F(DamagedAsset, CutOrGrown) {
+  const size_t header = sizeof(AssetHeader), size = whole_.size();
+  for (size_t length : {size_t{0}, size_t{1}, size_t{5}, size_t{6}, header - 1, header, header + 1, size / 4,
+                        size / 2, size - 4096, size - 1}) {
+    if (length >= size) continue;
+    SCOPED_TRACE("cut to " + std::to_string(length));
+    expectDamaged(whole_.substr(0, length));
+  }
+  expectDamaged(whole_ + '\0');
+}
+
+TEST_F(DamagedAsset, EveryCommandRefuses) {
+  std::string bytes = whole_;
+  bytes[bytes.size() / 2] ^= 1;
+  const std::filesystem::path file = write("damaged.furrow", bytes);
+  expectRefused(run({"info", file}), 1, file);
+  expectRefused(run({"eval", file, "--backend", "cpu", "-o", output() / "out.csv"}), 1, file);
+  expectRefused(run({"render", file, "-o", output() / "out.png"}), 1, file);
+}
+
+TEST_F(BadInput, Usage) {
+  const std::string source = write("sheet.glb", sheet());
+  const std::vector<std::vector<std::string>> commands = {
+      {},
+      {"fold", source},
+      {"cook"},
+      {"cook", source},
+      {"cook", source, "-o", output() / "out.furrow", "--fast"},
+      {"cook", source, "-o", output() / "out.furrow", "--geometry", "zip"},
+      {"cook", source, "-o", output() / "out.furrow", "--threads", "0"},
+      {"check"},
+      {"check", source, source},
+      {"eval", source, "--backend", "cpu", "--morph", "nonsense"},
+      {"eval", source, "--backend", "cpu", "--morph", "smile=much"},
+      {"eval", source, "--backend", "cpu", "--morph", "smile=nan"},
+      {"eval", source, "--backend", "cpu", "--morph", "smile=1"},
+      {"eval", source, "--backend", "cpu", "--region", "nose=1"},
+      {"eval", source, "--backend", "cpu", "--clip", "walk"},
+      {"eval", source, "--backend", "cpu", "--clip", "0"},
+      {"eval", source, "--backend", "cpu", "--clip", ""},
+      {"eval", source, "--backend", "cpu", "--time", "1"},
+      {"eval", source, "--backend", "cpu", "--scale", "0"},
+      {"eval", source, "--backend", "cpu", "--scale", "nan"},
+      {"eval", source, "--backend", "cpu", "--scale", "inf"},
+      {"eval", source, "--backend", "abacus"},
+      {"render", source, "-o", output() / "out.png", "--size", "0x10"},
+      {"render", source, "-o", output() / "out.png", "--size", "big"},
+  };
+  for (const auto& command : commands) {
+    std::string text = "furrow";
+    for (const std::string& word : command) text += " " + word;
+    SCOPED_TRACE(text);
+    expectRefused(run(command), 2, "");
+  }
+}
+
+TEST_F(BadInput, ABackendThatIsNotThere) {
+  expectRefused(
+      run({"eval", write("sheet.glb", sheet()), "--backend", "gpu-raster", "-o", output() / "out.csv"}), 3,
+      "gpu-raster");
+}
+
+TEST_F(BadInput, HelpAndVersion) {
+  for (const char* command : {"cook", "info", "check", "eval", "render"}) {
+    const Outcome help = run({command, "--help"});
+    EXPECT_EQ(help.status, 0);
+    EXPECT_NE(help.out, "");
+    EXPECT_EQ(help.err, "");
+  }
+  EXPECT_EQ(run({"--help"}).status, 0);
+  EXPECT_NE(run({"--help"}).out.find("Exit status"), std::string::npos);
+  EXPECT_TRUE(run({"--version"}).out.starts_with("furrow "));
+}
+
+}  // namespace
+}  // namespace furrow::test

@@ -1,0 +1,95 @@
+#pragma once
+
+// Runs the real furrow tool (FURROW_TOOL) and keeps what it said.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "tests/unit/gltf_builder.h"
+
+extern char** environ;
+
+namespace furrow::test {
+
+inline std::string readText(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+struct Outcome {
+  int status = -1;  // of the exit; 128 + the signal that ended it
+  std::string out, err;
+};
+
+// Every test has a folder of its own: sources in folder(), the tool's output in output(), which is empty at
+// first.
+class ToolTest : public ::testing::Test {
+ protected:
+  ToolTest() {
+    std::filesystem::create_directory(output());
+    std::filesystem::create_directory(folder() / "said");
+  }
+
+  std::filesystem::path folder() const { return scratch_.path(); }
+  std::filesystem::path output() const { return folder() / "output"; }
+
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder() / name, std::ios::binary) << bytes;
+    return folder() / name;
+  }
+
+  Outcome run(const std::vector<std::string>& arguments) const {
+    const std::string out = folder() / "said/out", err = folder() / "said/err";
+    std::vector<std::string> words = {FURROW_TOOL};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    pid_t child = 0;
+    const int fault = posix_spawn(&child, FURROW_TOOL, &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    Outcome outcome;
+    int status = 0;
+    if (fault != 0 || waitpid(child, &status, 0) != child) {
+      ADD_FAILURE() << FURROW_TOOL << " did not start";
+      return outcome;
+    }
+    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    outcome.out = readText(out);
+    outcome.err = readText(err);
+    return outcome;
+  }
+
+  // The tool refused with this status and one line that names `named`, and left nothing behind.
+  void expectRefused(const Outcome& outcome, int status, const std::string& named) const {
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("furrow: ")) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.ends_with('\n')) << outcome.err;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err << "does not name " << named;
+    EXPECT_EQ(outcome.out, "");
+    for (const auto& entry : std::filesystem::directory_iterator(output()))
+      ADD_FAILURE() << entry.path() << " was left behind";
+    for (const auto& entry : std::filesystem::directory_iterator(folder()))
+      EXPECT_NE(entry.path().extension(), ".tmp") << entry.path() << " was left behind";
+  }
+
+ private:
+  ScratchFolder scratch_;
+};
+
+}  // namespace furrow::test
