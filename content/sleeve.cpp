@@ -132,7 +132,7 @@ Primitive cloth() {
   for (double inside : {0.0, 0.006, 0.014, 0.024}) profile.emplace_back(kHem - inside, rim - 0.003);
 
   Tube sleeve = tube(profile, kSpokes, [](glm::dvec2 p, double angle) { return p.y + slack(p.x, angle); });
-  Primitive primitive = finish(sleeve, 0, 0.085);
+  Primitive primitive = finish(sleeve, 0, 0.115);
 
   std::vector<glm::vec4> mask;
   std::vector<glm::vec3> twist_left, twist_right;

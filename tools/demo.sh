@@ -40,8 +40,8 @@ picture face-extreme "face, extreme, wrinkles" "${camera[@]}" "${extreme[@]}"
 picture face-extreme-weight "face, extreme, weight of forehead" --view weight --layer forehead "${camera[@]}" "${extreme[@]}"
 
 model=sleeve
-camera=(--yaw -20 --pitch 30)
-extreme=(--clip bend --time 1)
+camera=(--yaw -25 --pitch 12)
+extreme=(--clip bend --time 0.62)
 picture sleeve-neutral-plain "sleeve, neutral, no wrinkles" --shading none "${camera[@]}"
 picture sleeve-neutral "sleeve, neutral, wrinkles" "${camera[@]}"
 picture sleeve-extreme-plain "sleeve, bent, no wrinkles" --shading none "${camera[@]}" "${extreme[@]}"
