@@ -127,7 +127,9 @@ Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions) {
   }
   const float same_motion = kSameMotion * glm::length(highest - lowest);
 
-  // Points of each place, as a list through `next_in_place`.
+  // Points of each place, as a list through `next_in_place`. Motions matter only where a place has several vertices.
+  std::vector<uint32_t> vertices_at(places.size(), 0);
+  for (uint32_t place : result.vertex_place) ++vertices_at[place];
   Motions motions(scene);
   std::vector<uint32_t> first_point(places.size(), kNoIndex);
   std::vector<uint32_t> next_in_place;
@@ -137,8 +139,9 @@ Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions) {
   for (uint32_t part = 0; part < scene.parts.size(); ++part) {
     const size_t count = scene.primitives[scene.parts[part].primitive].positions.size();
     for (uint32_t v = 0; v < count; ++v, ++vertex) {
-      Motion motion = motions.of(part, v);
-      uint32_t* slot = &first_point[result.vertex_place[vertex]];
+      const uint32_t place = result.vertex_place[vertex];
+      Motion motion = vertices_at[place] > 1 ? motions.of(part, v) : Motion();
+      uint32_t* slot = &first_point[place];
       while (*slot != kNoIndex) {
         const Motion& other = motion_of_point[*slot];
         if (alike(motion.nodes, other.nodes, kSameWeight, [](float w) { return std::abs(w); }) &&
