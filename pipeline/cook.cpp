@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "pipeline/bake/rings.h"
 #include "pipeline/bake/squeeze.h"
@@ -166,18 +167,19 @@ class Cook {
       span.has_uvs = parts_[i].has_uvs;
       const glm::dmat3 linear(span.rest);
       const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
+      const double hand = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
       for (size_t v = 0; v < geometry.positions.size(); ++v) {
         const uint32_t source = span.vertex_begin + geometry.source[v];
         const Float3 n = geometry.normals[v];
         const Float4 t = geometry.tangents[v];
-        const glm::vec3 normal = unit(cofactor * glm::dvec3(n.x, n.y, n.z), {0, 1, 0});
+        const glm::vec3 normal = unit(hand * (cofactor * glm::dvec3(n.x, n.y, n.z)), {0, 1, 0});
         const glm::dvec3 along = linear * glm::dvec3(t.x, t.y, t.z);
         const glm::vec3 tangent = unit(along - glm::dot(along, glm::dvec3(normal)) * glm::dvec3(normal), {1, 0, 0});
         source_vertex_.push_back(source);
         source_point.push_back(weld_.vertex_point[source]);
         surface_.positions.push_back(rest[source]);
         surface_.normals.push_back(normal);
-        surface_.tangents.push_back(glm::vec4(tangent, t.w));
+        surface_.tangents.push_back(glm::vec4(tangent, static_cast<float>(hand) * t.w));
         surface_.uvs.push_back(glm::vec2(geometry.uvs[v].x, geometry.uvs[v].y));
       }
       for (size_t f = 0; f + 2 < geometry.indices.size(); f += 3)

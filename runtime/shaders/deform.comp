@@ -59,7 +59,8 @@ void main() {
   vec3 r0 = vec3(m[0], m[1], m[2]);
   vec3 r1 = vec3(m[4], m[5], m[6]);
   vec3 r2 = vec3(m[8], m[9], m[10]);
-  n = unit(vec3(dot(cross(r1, r2), n), dot(cross(r2, r0), n), dot(cross(r0, r1), n)));
+  float hand = dot(r0, cross(r1, r2)) < 0.0 ? -1.0 : 1.0;
+  n = unit(hand * vec3(dot(cross(r1, r2), n), dot(cross(r2, r0), n), dot(cross(r0, r1), n)));
   vec3 t = vec3(rest_vertices[rest + 6u], rest_vertices[rest + 7u], rest_vertices[rest + 8u]);
   t = vec3(dot(r0, t), dot(r1, t), dot(r2, t));
   t = unit(t - dot(t, n) * n);
@@ -69,5 +70,5 @@ void main() {
   tangents[4u * v] = t.x;
   tangents[4u * v + 1u] = t.y;
   tangents[4u * v + 2u] = t.z;
-  tangents[4u * v + 3u] = rest_vertices[rest + 9u];
+  tangents[4u * v + 3u] = hand * rest_vertices[rest + 9u];
 }

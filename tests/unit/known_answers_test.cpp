@@ -178,6 +178,24 @@ TEST(KnownAnswers, CollapsedAndNonFiniteInputGivesFiniteWeights) {
   for (double alpha : evaluate(asset.view(), {0.0f}, broken).alpha) EXPECT_TRUE(std::isfinite(alpha));
 }
 
+TEST(KnownAnswers, AMirroredPoseKeepsNormalsOutwardsAndBitangentsInPlace) {
+  const Asset asset = cookAsset(sceneOf(cylinder(true), [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
+  const AssetView& view = asset.view();
+  Affine mirror;
+  mirror.m[0] = -1.0f;
+  const std::vector<Affine> palette(view.palette.size(), mirror);
+  const std::vector<float> morphs(view.morphs.size());
+  std::vector<Float3> positions(view.vertexCount()), normals(view.vertexCount());
+  std::vector<Float4> tangents(view.vertexCount());
+  DeformJob{&view, palette, morphs, positions, normals, tangents}.run(0, view.vertexCount());
+  for (uint32_t v = 0; v < view.vertexCount(); ++v) {
+    const Float3 n = view.normals[v];
+    EXPECT_NEAR(normals[v].x, -n.x, 1e-5);
+    EXPECT_NEAR(normals[v].z, n.z, 1e-5);
+    EXPECT_EQ(tangents[v].w, -view.tangents[v].w);
+  }
+}
+
 TEST(KnownAnswers, TheHashBindsEverySourcePositionToItsPoint) {
   const Primitive primitive = cylinder(true);
   const Asset asset = cookAsset(sceneOf(primitive, [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
