@@ -44,7 +44,8 @@ std::vector<size_t> select(const std::vector<std::string>& names, const std::str
 }  // namespace
 
 void PoseOptions::add(CLI::App& command) {
-  command.add_option("--clip", clip, "Clip to pose with, by name or number");
+  command.add_option("--clip", clip, "Clip to pose with, by name or number")
+      ->check([](const std::string& name) { return std::string(name.empty() ? "the name of the clip is empty" : ""); });
   command.add_option("--time", time, "Time in the clip in seconds, clamped to it (default 0)")->needs("--clip");
   command.add_option("--morph", morphs, "Weight of a morph target, M=W, by name or number; may be repeated")->allow_extra_args(false);
   command.add_option("--region", regions, "Region weight of a layer, LAYER=W in [-1, 1]; may be repeated")->allow_extra_args(false);

@@ -14,8 +14,8 @@ std::vector<float> makeCoefficients(const Surface& surface, Measure measure, con
   std::vector<float> out(surface.triangles.size() * each, 0.0f);
   for (size_t t = 0; each > 0 && t < surface.triangles.size(); ++t) {
     if (!covered[t] || isDegenerate(surface, t)) continue;
-    const glm::uvec3 v = surface.triangles[t];
-    const TriangleFrame frame = triangleFrame(surface.positions[v.x], surface.positions[v.y], surface.positions[v.z]);
+    const glm::uvec3 p = surface.trianglePoints(t);
+    const TriangleFrame frame = triangleFrame(surface.point_positions[p.x], surface.point_positions[p.y], surface.point_positions[p.z]);
     if (!(frame.e1x > 0.0) || !(frame.e2y > 0.0)) continue;
     float* c = &out[t * each];
     if (measure == Measure::kArea) {
@@ -25,7 +25,6 @@ std::vector<float> makeCoefficients(const Surface& surface, Measure measure, con
       c[1] = static_cast<float>(-frame.e2x / (frame.e1x * frame.e2y));
       c[2] = static_cast<float>(1.0 / frame.e2y);
     } else {
-      const glm::uvec3 p = surface.trianglePoints(t);
       double cos2 = 0.0, sin2 = 0.0;
       for (int k = 0; k < 3; ++k) {
         const double x = glm::dot(glm::dvec3(directions[p[k]]), frame.x);

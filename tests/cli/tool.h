@@ -8,10 +8,12 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/unit/gltf_builder.h"
@@ -23,6 +25,18 @@ namespace furrow::test {
 inline std::string readText(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Calls job(i) for every i below `count` on all cores: most of a run of the tool is its start.
+template <typename Job>
+void forEachInParallel(size_t count, const Job& job) {
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    for (size_t i = next++; i < count; i = next++) job(i);
+  };
+  std::vector<std::jthread> threads(
+      std::min<size_t>(count, std::max(2u, std::thread::hardware_concurrency())));
+  for (std::jthread& thread : threads) thread = std::jthread(work);
 }
 
 struct Outcome {
@@ -48,7 +62,8 @@ class ToolTest : public ::testing::Test {
   }
 
   Outcome run(const std::vector<std::string>& arguments) const {
-    const std::string out = folder() / "said/out", err = folder() / "said/err";
+    const std::string said = folder() / "said" / std::to_string(runs_++), out = said + ".out",
+                      err = said + ".err";
     std::vector<std::string> words = {FURROW_TOOL};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -74,22 +89,31 @@ class ToolTest : public ::testing::Test {
     return outcome;
   }
 
-  // The tool refused with this status and one line that names `named`, and left nothing behind.
-  void expectRefused(const Outcome& outcome, int status, const std::string& named) const {
+  // The tool refused with this status and one line that names `named`.
+  void expectOneLine(const Outcome& outcome, int status, const std::string& named) const {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_TRUE(outcome.err.starts_with("furrow: ")) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_TRUE(outcome.err.ends_with('\n')) << outcome.err;
     EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err << "does not name " << named;
     EXPECT_EQ(outcome.out, "");
+  }
+
+  void expectNothingLeft() const {
     for (const auto& entry : std::filesystem::directory_iterator(output()))
       ADD_FAILURE() << entry.path() << " was left behind";
     for (const auto& entry : std::filesystem::directory_iterator(folder()))
       EXPECT_NE(entry.path().extension(), ".tmp") << entry.path() << " was left behind";
   }
 
+  void expectRefused(const Outcome& outcome, int status, const std::string& named) const {
+    expectOneLine(outcome, status, named);
+    expectNothingLeft();
+  }
+
  private:
   ScratchFolder scratch_;
+  mutable std::atomic<size_t> runs_ = 0;
 };
 
 }  // namespace furrow::test
