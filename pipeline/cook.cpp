@@ -21,7 +21,10 @@ namespace {
 class Cook {
  public:
   Cook(SourceScene scene, const Recipe& recipe, const CookOptions& options)
-      : scene_(std::move(scene)), recipe_(recipe), options_(options), recipe_file_(recipe.file.empty() ? scene_.file.string() : recipe.file.string()) {}
+      : scene_(std::move(scene)),
+        recipe_(recipe),
+        options_(options),
+        recipe_file_(recipe.file.empty() ? scene_.file.string() : recipe.file.string()) {}
 
   Cooked run() {
     check();
@@ -36,7 +39,9 @@ class Cook {
     if (needsSqueeze()) {
       squeeze = measureSqueeze(scene_, surface_, source_vertex_);
       if (!squeeze.any())
-        warn("no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and drivers");
+        warn(
+            "no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and "
+            "drivers");
     } else {
       squeeze.tensor.assign(surface_.triangles.size(), glm::vec3(0.0f));
       squeeze.peak.assign(surface_.triangles.size(), 0.0f);
@@ -52,10 +57,13 @@ class Cook {
 
     options_.progress("packing");
     Cooked cooked;
-    cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_, place_points_, influences_, position_error_});
+    cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_,
+                               place_points_, influences_, position_error_});
     Asset loaded;
     if (const Status status = loaded.load(cooked.bytes); !status.ok())
-      throw Error(Exit::kBadData, scene_.file.string(), std::string("the asset made of it does not load (") + status.message + ")", "report this as a fault of furrow");
+      throw Error(Exit::kBadData, scene_.file.string(),
+                  std::string("the asset made of it does not load (") + status.message + ")",
+                  "report this as a fault of furrow");
     report();
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
@@ -70,21 +78,26 @@ class Cook {
   void check() {
     report_.warnings = scene_.warnings;
     if (recipe_.weld_tolerance != 0.0)
-      throw Error(Exit::kBadData, recipe_file_, "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
+      throw Error(Exit::kBadData, recipe_file_,
+                  "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
     for (const LayerRecipe& layer : recipe_.layers)
       for (const DriverRecipe& driver : layer.drivers) {
         std::vector<std::string> names;
         for (const MorphTarget& target : scene_.rig.morphs) names.push_back(target.name);
         if (std::find(names.begin(), names.end(), driver.morph) == names.end())
-          throw Error(Exit::kBadData, recipe_file_, "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"", "the file has: " + joinNames(names));
+          throw Error(Exit::kBadData, recipe_file_,
+                      "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"",
+                      "the file has: " + joinNames(names));
       }
     if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
-      throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets", "split it into several files");
+      throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets",
+                  "split it into several files");
   }
 
   bool needsSqueeze() const {
     return std::any_of(recipe_.layers.begin(), recipe_.layers.end(), [](const LayerRecipe& layer) {
-      return std::holds_alternative<DirectionAnimation>(layer.direction) || std::holds_alternative<MaskAuto>(layer.mask);
+      return std::holds_alternative<DirectionAnimation>(layer.direction) ||
+             std::holds_alternative<MaskAuto>(layer.mask);
     });
   }
 
@@ -104,10 +117,12 @@ class Cook {
       std::vector<glm::vec3> sum(weld_.points, glm::vec3(0.0f));
       for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) {
         const uint32_t* v = &primitive.indices[i];
-        const glm::vec3 n = glm::cross(primitive.positions[v[1]] - primitive.positions[v[0]], primitive.positions[v[2]] - primitive.positions[v[0]]);
+        const glm::vec3 n = glm::cross(primitive.positions[v[1]] - primitive.positions[v[0]],
+                                       primitive.positions[v[2]] - primitive.positions[v[0]]);
         for (int c = 0; c < 3; ++c) sum[weld_.vertex_point[first_vertex + v[c]]] += n;
       }
-      for (size_t v = 0; v < primitive.positions.size(); ++v) normals.push_back(sum[weld_.vertex_point[first_vertex + v]]);
+      for (size_t v = 0; v < primitive.positions.size(); ++v)
+        normals.push_back(sum[weld_.vertex_point[first_vertex + v]]);
     }
     for (glm::vec3& n : normals) {
       const float length = glm::length(n);
@@ -116,7 +131,8 @@ class Cook {
     return normals;
   }
 
-  // Packs every part, then replaces the scene's positions by what the runtime will decode, so that all that follows is baked from that.
+  // Packs every part, then replaces the scene's positions by what the runtime will decode, so that all that
+  // follows is baked from that.
   void packParts() {
     uint32_t first_vertex = 0;
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
@@ -124,9 +140,13 @@ class Cook {
       const Primitive& primitive = scene_.primitives[part.primitive];
       const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
       std::vector<glm::uvec3> triangles;
-      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
-      const std::vector<glm::vec4> frames = primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles) : primitive.tangents;
-      PackedPart packed = packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1, options_.geometry);
+      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
+        triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
+      const std::vector<glm::vec4> frames =
+          primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
+                                     : primitive.tangents;
+      PackedPart packed =
+          packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1, options_.geometry);
       packed.mesh = part.mesh;
       if (part.material < scene_.materials.size()) {
         packed.material = scene_.materials[part.material].name;
@@ -139,7 +159,8 @@ class Cook {
       influences_ = std::max(influences_, influencesOf(packed));
       first_vertex += packed.vertices;
       geometry_.push_back(unpackGeometry(packed, influencesOf(packed)));
-      if (packed.draco.empty() && options_.geometry == GeometryCodec::kDraco) warn("mesh \"" + part.mesh + "\" could not be Draco-encoded and is stored raw");
+      if (packed.draco.empty() && options_.geometry == GeometryCodec::kDraco)
+        warn("mesh \"" + part.mesh + "\" could not be Draco-encoded and is stored raw");
       parts_.push_back(std::move(packed));
       std::vector<glm::vec3>& positions = decoded[part.primitive];
       positions.resize(primitive.positions.size());
@@ -154,7 +175,8 @@ class Cook {
 
   void makeSurface(const std::vector<glm::vec3>& source_rest) {
     const std::vector<glm::vec3> rest = restFloats();
-    for (size_t v = 0; v < rest.size(); ++v) position_error_ = std::max(position_error_, double{glm::distance(rest[v], source_rest[v])});
+    for (size_t v = 0; v < rest.size(); ++v)
+      position_error_ = std::max(position_error_, double{glm::distance(rest[v], source_rest[v])});
 
     std::vector<uint32_t> source_point;
     for (uint32_t i = 0; i < scene_.parts.size(); ++i) {
@@ -166,7 +188,8 @@ class Cook {
       span.rest = parts_[i].rest;
       span.has_uvs = parts_[i].has_uvs;
       const glm::dmat3 linear(span.rest);
-      const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
+      const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                                glm::cross(linear[0], linear[1]));
       const double hand = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
       for (size_t v = 0; v < geometry.positions.size(); ++v) {
         const uint32_t source = span.vertex_begin + geometry.source[v];
@@ -174,7 +197,8 @@ class Cook {
         const Float4 t = geometry.tangents[v];
         const glm::vec3 normal = unit(hand * (cofactor * glm::dvec3(n.x, n.y, n.z)), {0, 1, 0});
         const glm::dvec3 along = linear * glm::dvec3(t.x, t.y, t.z);
-        const glm::vec3 tangent = unit(along - glm::dot(along, glm::dvec3(normal)) * glm::dvec3(normal), {1, 0, 0});
+        const glm::vec3 tangent =
+            unit(along - glm::dot(along, glm::dvec3(normal)) * glm::dvec3(normal), {1, 0, 0});
         source_vertex_.push_back(source);
         source_point.push_back(weld_.vertex_point[source]);
         surface_.positions.push_back(rest[source]);
@@ -183,7 +207,9 @@ class Cook {
         surface_.uvs.push_back(glm::vec2(geometry.uvs[v].x, geometry.uvs[v].y));
       }
       for (size_t f = 0; f + 2 < geometry.indices.size(); f += 3)
-        surface_.triangles.push_back(glm::uvec3(geometry.indices[f], geometry.indices[f + 1], geometry.indices[f + 2]) + span.vertex_begin);
+        surface_.triangles.push_back(
+            glm::uvec3(geometry.indices[f], geometry.indices[f + 1], geometry.indices[f + 2]) +
+            span.vertex_begin);
       span.vertex_end = static_cast<uint32_t>(surface_.positions.size());
       span.triangle_end = static_cast<uint32_t>(surface_.triangles.size());
       surface_.parts.push_back(span);
@@ -197,11 +223,13 @@ class Cook {
     return length > 0.0 && std::isfinite(length) ? glm::vec3(v / length) : otherwise;
   }
 
-  // Points in the order in which the asset's vertices first meet their places, the points of one place next to each other.
+  // Points in the order in which the asset's vertices first meet their places, the points of one place next
+  // to each other.
   void numberPoints(const std::vector<uint32_t>& source_point) {
     std::vector<uint32_t> place_of_point(weld_.points);
     std::vector<std::vector<uint32_t>> points_of_place(weld_.places);
-    for (size_t v = 0; v < weld_.vertex_point.size(); ++v) place_of_point[weld_.vertex_point[v]] = weld_.vertex_place[v];
+    for (size_t v = 0; v < weld_.vertex_point.size(); ++v)
+      place_of_point[weld_.vertex_point[v]] = weld_.vertex_place[v];
     for (uint32_t p = 0; p < weld_.points; ++p) points_of_place[place_of_point[p]].push_back(p);
     std::vector<uint32_t> number(weld_.points, kNoIndex);
     place_points_.assign(weld_.places, {0, 0});
@@ -222,13 +250,15 @@ class Cook {
     std::vector<bool> seen(weld_.points);
     for (size_t v = 0; v < surface_.positions.size(); ++v) {
       const uint32_t p = surface_.vertex_point[v];
-      if (!seen[p]) surface_.point_positions[p] = surface_.positions[v];  // the vertex that stands for the point
+      if (!seen[p])
+        surface_.point_positions[p] = surface_.positions[v];  // the vertex that stands for the point
       seen[p] = true;
     }
     for (size_t t = 0; t < surface_.triangles.size(); ++t) {
       const glm::uvec3 p = surface_.trianglePoints(t);
       const glm::dvec3 a = surface_.point_positions[p.x];
-      const glm::dvec3 n = glm::cross(glm::dvec3(surface_.point_positions[p.y]) - a, glm::dvec3(surface_.point_positions[p.z]) - a);
+      const glm::dvec3 n = glm::cross(glm::dvec3(surface_.point_positions[p.y]) - a,
+                                      glm::dvec3(surface_.point_positions[p.z]) - a);
       for (int c = 0; c < 3; ++c) normals[p[c]] += n;
     }
     for (const glm::dvec3& n : normals) surface_.point_normals.push_back(unit(n, {0, 1, 0}));
@@ -248,9 +278,15 @@ class Cook {
       highest = glm::max(highest, p);
     }
     report_.diagonal = glm::distance(lowest, highest);
-    for (size_t t = 0; t < surface_.triangles.size(); ++t) report_.degenerate_triangles += isDegenerate(surface_, t);
-    const bool some_without_uvs = std::any_of(parts_.begin(), parts_.end(), [](const PackedPart& part) { return !part.has_uvs; });
-    if (some_without_uvs) warn("a mesh has no UVs: it gets weights and alpha shading by vertex, but no wrinkle maps");
+    for (size_t t = 0; t < surface_.triangles.size(); ++t)
+      report_.degenerate_triangles += isDegenerate(surface_, t);
+    if (report_.degenerate_triangles > 0)
+      warn(std::to_string(report_.degenerate_triangles) + " of " + std::to_string(report_.triangles) +
+           " triangles have no area and are in no ring");
+    const bool some_without_uvs =
+        std::any_of(parts_.begin(), parts_.end(), [](const PackedPart& part) { return !part.has_uvs; });
+    if (some_without_uvs)
+      warn("a mesh has no UVs: it gets weights and alpha shading by vertex, but no wrinkle maps");
   }
 
   SourceScene scene_;
@@ -271,6 +307,8 @@ class Cook {
 
 }  // namespace
 
-Cooked cook(SourceScene scene, const Recipe& recipe, const CookOptions& options) { return Cook(std::move(scene), recipe, options).run(); }
+Cooked cook(SourceScene scene, const Recipe& recipe, const CookOptions& options) {
+  return Cook(std::move(scene), recipe, options).run();
+}
 
 }  // namespace furrow::pipeline

@@ -20,7 +20,8 @@ struct CookOptions {
 };
 
 struct CookReport {
-  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0, clips = 0;
+  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
+           clips = 0;
   double position_error = 0.0;  // root-space units
   double diagonal = 0.0;        // of the rest bounding box
   std::vector<std::string> warnings;

@@ -13,7 +13,8 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr float kFadeBegin = 0.03f, kFadeEnd = 0.15f;  // peak squeeze at which the automatic mask starts and is full
+constexpr float kFadeBegin = 0.03f,
+                kFadeEnd = 0.15f;  // peak squeeze at which the automatic mask starts and is full
 constexpr int kMaskBlurs = 4;
 
 class LayerBake {
@@ -36,16 +37,19 @@ class LayerBake {
     throw Error(Exit::kBadData, in_.recipe_file, "layer \"" + recipe_.name + "\": " + wrong, remedy);
   }
 
-  void requireNames(const std::vector<std::string>& wanted, const std::set<std::string>& known, const char* kind) const {
+  void requireNames(const std::vector<std::string>& wanted, const std::set<std::string>& known,
+                    const char* kind) const {
     for (const std::string& name : wanted)
       if (!known.count(name))
-        fail(std::string("there is no ") + kind + " \"" + name + "\"", "the file has: " + joinNames({known.begin(), known.end()}));
+        fail(std::string("there is no ") + kind + " \"" + name + "\"",
+             "the file has: " + joinNames({known.begin(), known.end()}));
   }
 
   void cover() {
     std::set<std::string> meshes, materials;
     const auto materialOf = [&](const Part& part) {
-      return part.material < in_.scene.materials.size() ? in_.scene.materials[part.material].name : std::string();
+      return part.material < in_.scene.materials.size() ? in_.scene.materials[part.material].name
+                                                        : std::string();
     };
     for (const Part& part : in_.scene.parts) {
       meshes.insert(part.mesh);
@@ -65,29 +69,36 @@ class LayerBake {
       if (!has(recipe_.meshes, part.mesh) || !has(recipe_.materials, materialOf(part))) continue;
       covered_part_[i] = true;
       std::fill(out_.covered.begin() + span.triangle_begin, out_.covered.begin() + span.triangle_end, true);
-      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v) covered_point_[in_.surface.vertex_point[v]] = true;
+      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
+        covered_point_[in_.surface.vertex_point[v]] = true;
     }
   }
 
   // A value of an attribute for every vertex of the covered parts; the others get `outside`.
-  std::vector<glm::vec4> attribute(const std::string& name, uint32_t least_components, glm::vec4 outside) const {
+  std::vector<glm::vec4> attribute(const std::string& name, uint32_t least_components,
+                                   glm::vec4 outside) const {
     std::vector<glm::vec4> values(in_.surface.positions.size(), outside);
     bool found = false;
     std::set<std::string> known;
     for (size_t i = 0; i < in_.surface.parts.size(); ++i) {
       const SurfacePart& span = in_.surface.parts[i];
-      for (const Attribute& a : in_.scene.primitives[in_.scene.parts[span.source_part].primitive].attributes) {
+      for (const Attribute& a :
+           in_.scene.primitives[in_.scene.parts[span.source_part].primitive].attributes) {
         known.insert(a.name);
         if (!covered_part_[i] || a.name != name) continue;
         if (a.components < least_components)
-          fail("attribute " + name + " has " + std::to_string(a.components) + " components", "choose one with at least " + std::to_string(least_components));
+          fail("attribute " + name + " has " + std::to_string(a.components) + " components",
+               "choose one with at least " + std::to_string(least_components));
         found = true;
         for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
           for (uint32_t c = 0; c < std::min(4u, a.components); ++c)
-            values[v][static_cast<int>(c)] = a.values[size_t{in_.source_vertex[v] - span.vertex_begin} * a.components + c];
+            values[v][static_cast<int>(c)] =
+                a.values[size_t{in_.source_vertex[v] - span.vertex_begin} * a.components + c];
       }
     }
-    if (!found) fail("its meshes have no vertex attribute \"" + name + "\"", "the file has: " + joinNames({known.begin(), known.end()}));
+    if (!found)
+      fail("its meshes have no vertex attribute \"" + name + "\"",
+           "the file has: " + joinNames({known.begin(), known.end()}));
     return values;
   }
 
@@ -128,14 +139,17 @@ class LayerBake {
       const Image image = readImage(texture->texture);
       dependencies.push_back(texture->texture);
       if (texture->channel >= image.channels)
-        throw Error(Exit::kBadData, texture->texture.string(), "it has " + std::to_string(image.channels) + " channels", "choose another channel for the mask of layer \"" + recipe_.name + "\"");
+        throw Error(Exit::kBadData, texture->texture.string(),
+                    "it has " + std::to_string(image.channels) + " channels",
+                    "choose another channel for the mask of layer \"" + recipe_.name + "\"");
       std::vector<float> values;
       for (const glm::vec2& uv : in_.surface.uvs) values.push_back(sample(image, uv, texture->channel));
       strength = pointMean(values);
     } else if (const auto* named = std::get_if<MaskAttribute>(&recipe_.mask)) {
       const std::vector<glm::vec4> values = attribute(named->name, named->channel + 1, glm::vec4(0.0f));
       std::vector<float> channel;
-      for (const glm::vec4& value : values) channel.push_back(std::clamp(value[static_cast<int>(named->channel)], 0.0f, 1.0f));
+      for (const glm::vec4& value : values)
+        channel.push_back(std::clamp(value[static_cast<int>(named->channel)], 0.0f, 1.0f));
       strength = pointMean(channel);
     } else if (std::holds_alternative<MaskNone>(recipe_.mask) || !in_.squeeze.any()) {
       strength.assign(points(), 1.0f);
@@ -148,8 +162,10 @@ class LayerBake {
       if (out_.field.direction[p] == glm::vec3(0.0f)) strength[p] = 0.0f;
       empty &= strength[p] < 1.0f / 255.0f;
     }
-    const bool named = std::holds_alternative<MaskTexture>(recipe_.mask) || std::holds_alternative<MaskAttribute>(recipe_.mask);
-    if (empty && named) fail("its mask is empty (black everywhere on its meshes)", "paint the mask or choose another channel");
+    const bool named = std::holds_alternative<MaskTexture>(recipe_.mask) ||
+                       std::holds_alternative<MaskAttribute>(recipe_.mask);
+    if (empty && named)
+      fail("its mask is empty (black everywhere on its meshes)", "paint the mask or choose another channel");
   }
 
   static float sample(const Image& image, glm::vec2 uv, uint32_t channel) {
@@ -157,9 +173,12 @@ class LayerBake {
       const auto i = static_cast<int64_t>(std::floor(t)) % static_cast<int64_t>(size);
       return static_cast<uint32_t>(i < 0 ? i + size : i);
     };
-    const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
+    const float x = uv.x * static_cast<float>(image.width) - 0.5f,
+                y = uv.y * static_cast<float>(image.height) - 0.5f;
     const float fx = x - std::floor(x), fy = y - std::floor(y);
-    const auto at = [&](float dx, float dy) { return image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[channel]; };
+    const auto at = [&](float dx, float dy) {
+      return image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[channel];
+    };
     return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) + (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
   }
 
@@ -193,9 +212,11 @@ class LayerBake {
     if (!recipe_.bias) return;
     const auto neutral = static_cast<float>(recipe_.bias->neutral);
     std::vector<float> values;
-    for (const glm::vec4& value : attribute(recipe_.bias->attribute, recipe_.bias->channel + 1, glm::vec4(neutral))) {
+    for (const glm::vec4& value :
+         attribute(recipe_.bias->attribute, recipe_.bias->channel + 1, glm::vec4(neutral))) {
       const float c = value[static_cast<int>(recipe_.bias->channel)];
-      values.push_back(std::abs(c - neutral) <= 1.0f / 255.0f ? 0.0f : std::clamp(2.0f * (c - neutral), -1.0f, 1.0f));
+      values.push_back(
+          std::abs(c - neutral) <= 1.0f / 255.0f ? 0.0f : std::clamp(2.0f * (c - neutral), -1.0f, 1.0f));
     }
     out_.bias = pointMean(values);
   }
@@ -209,7 +230,8 @@ class LayerBake {
 
 }  // namespace
 
-BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe, std::vector<std::filesystem::path>& dependencies) {
+BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
+                     std::vector<std::filesystem::path>& dependencies) {
   return LayerBake(input, recipe).bake(dependencies);
 }
 

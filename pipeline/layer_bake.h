@@ -13,10 +13,10 @@
 namespace furrow::pipeline {
 
 struct BakedLayer {
-  LayerField field;                  // direction, confidence and mask, a point
-  std::vector<bool> covered;         // a triangle
-  std::vector<float> coefficients;   // the layer's measure
-  std::vector<float> bias;           // a point; empty: none
+  LayerField field;                 // direction, confidence and mask, a point
+  std::vector<bool> covered;        // a triangle
+  std::vector<float> coefficients;  // the layer's measure
+  std::vector<float> bias;          // a point; empty: none
 };
 
 struct LayerInput {
@@ -27,7 +27,9 @@ struct LayerInput {
   std::string recipe_file;  // for messages
 };
 
-// Throws Error (kBadData): a mesh, material or attribute that the scene lacks, a mask that is empty. `dependencies` gains the images read.
-BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe, std::vector<std::filesystem::path>& dependencies);
+// Throws Error (kBadData): a mesh, material or attribute that the scene lacks, a mask that is empty.
+// `dependencies` gains the images read.
+BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
+                     std::vector<std::filesystem::path>& dependencies);
 
 }  // namespace furrow::pipeline

@@ -25,16 +25,19 @@ struct Maps {
   Image normal, shading;
 };
 
-Image flat(uint32_t size, uint32_t channels) { return {size, size, channels, std::vector<float>(size_t{size} * size * channels, 0.0f)}; }
+Image flat(uint32_t size, uint32_t channels) {
+  return {size, size, channels, std::vector<float>(size_t{size} * size * channels, 0.0f)};
+}
 
 class MapBake {
  public:
-  MapBake(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
-          std::vector<std::filesystem::path>& dependencies)
+  MapBake(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers,
+          uint32_t threads, std::vector<std::filesystem::path>& dependencies)
       : in_(input), recipe_(recipe), layers_(layers), threads_(threads), dependencies_(dependencies) {}
 
   std::vector<BakedTextureSet> bake() {
-    std::map<uint32_t, BakedTextureSet> by_material;  // in material order, so that the result is the same on every run
+    std::map<uint32_t, BakedTextureSet>
+        by_material;  // in material order, so that the result is the same on every run
     for (uint32_t p = 0; p < in_.surface.parts.size(); ++p) {
       if (!in_.surface.parts[p].has_uvs) continue;
       const uint32_t material = in_.scene.parts[in_.surface.parts[p].source_part].material;
@@ -92,8 +95,11 @@ class MapBake {
     }
     if (!(lowest.x <= highest.x)) return source;
     SynthesisSettings settings;
-    settings.preset = wanted && wanted->preset ? *wanted->preset : in_.squeeze.by_morphs >= in_.squeeze.by_clips ? Preset::kSkin : Preset::kCloth;
-    settings.spacing = wanted && wanted->spacing > 0.0 ? wanted->spacing : glm::length(highest - lowest) / kSpacingsAcross;
+    settings.preset = wanted && wanted->preset                        ? *wanted->preset
+                      : in_.squeeze.by_morphs >= in_.squeeze.by_clips ? Preset::kSkin
+                                                                      : Preset::kCloth;
+    settings.spacing =
+        wanted && wanted->spacing > 0.0 ? wanted->spacing : glm::length(highest - lowest) / kSpacingsAcross;
     settings.depth = settings.spacing * (settings.preset == Preset::kSkin ? kSkinDepth : kClothDepth);
     if (wanted && wanted->depth > 0.0) settings.depth = wanted->depth;
     if (height && height->depth > 0.0) settings.depth = height->depth;
@@ -109,10 +115,12 @@ class MapBake {
     return source;
   }
 
-  // Whether the layer shows on a triangle of the set; a point that it merely shares with a neighbour's part does not count.
+  // Whether the layer shows on a triangle of the set; a point that it merely shares with a neighbour's part
+  // does not count.
   bool reaches(const BakedLayer& layer, const BakedTextureSet& set) const {
     for (uint32_t part : set.parts)
-      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end; ++t) {
+      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end;
+           ++t) {
         const glm::uvec3 p = in_.surface.trianglePoints(t);
         const auto shows = [&](uint32_t point) { return layer.field.strength[point] >= 1.0f / 255.0f; };
         if (layer.covered[t] && (shows(p.x) || shows(p.y) || shows(p.z))) return true;
@@ -124,11 +132,14 @@ class MapBake {
   double lengthOfUv(const BakedTextureSet& set) const {
     double area = 0.0, uv_area = 0.0;
     for (uint32_t part : set.parts)
-      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end; ++t) {
+      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end;
+           ++t) {
         const glm::uvec3 v = in_.surface.triangles[t];
         const glm::dvec3 a = in_.surface.positions[v.x];
-        area += glm::length(glm::cross(glm::dvec3(in_.surface.positions[v.y]) - a, glm::dvec3(in_.surface.positions[v.z]) - a));
-        const glm::dvec2 s = in_.surface.uvs[v.x], e = glm::dvec2(in_.surface.uvs[v.y]) - s, f = glm::dvec2(in_.surface.uvs[v.z]) - s;
+        area += glm::length(glm::cross(glm::dvec3(in_.surface.positions[v.y]) - a,
+                                       glm::dvec3(in_.surface.positions[v.z]) - a));
+        const glm::dvec2 s = in_.surface.uvs[v.x], e = glm::dvec2(in_.surface.uvs[v.y]) - s,
+                         f = glm::dvec2(in_.surface.uvs[v.z]) - s;
         uv_area += std::abs(e.x * f.y - e.y * f.x);
       }
     return uv_area > 0.0 ? std::sqrt(area / uv_area) : 0.0;
@@ -139,10 +150,12 @@ class MapBake {
     double texels = kLeastSize;
     for (const auto* sources : {&compress_, &stretch_})
       for (size_t l = 0; l < sources->size(); ++l)
-        if ((*sources)[l].settings && reaches(layers_[l], set)) texels = std::max(texels, kTexelsASpacing * length / (*sources)[l].settings->spacing);
+        if ((*sources)[l].settings && reaches(layers_[l], set))
+          texels = std::max(texels, kTexelsASpacing * length / (*sources)[l].settings->spacing);
     for (const LayerRecipe& layer : recipe_.layers)
       for (const Map* map : {&layer.compress, &layer.stretch})
-        if (std::holds_alternative<MapNormal>(*map) || std::holds_alternative<MapHeight>(*map)) texels = std::max(texels, 1024.0);
+        if (std::holds_alternative<MapNormal>(*map) || std::holds_alternative<MapHeight>(*map))
+          texels = std::max(texels, 1024.0);
     const uint32_t most = recipe_.map_size ? std::bit_floor(recipe_.map_size) : kMostSize;
     return std::min(most, std::bit_ceil(static_cast<uint32_t>(std::min(texels, 16384.0))));
   }
@@ -151,7 +164,8 @@ class MapBake {
     dependencies_.push_back(file);
     Image image = readImage(file);
     if (image.channels < least_channels)
-      throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels", "use an image with " + std::to_string(least_channels));
+      throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels",
+                  "use an image with " + std::to_string(least_channels));
     return image;
   }
 
@@ -160,7 +174,11 @@ class MapBake {
     const Image source = resize(read(file, 3), size, size);
     Image out = flat(size, 2);
     for (size_t i = 0; i < size_t{size} * size; ++i) {
-      const glm::vec3 n = glm::vec3(source.pixels[i * source.channels], source.pixels[i * source.channels + 1], source.pixels[i * source.channels + 2]) * 2.0f - 1.0f;
+      const glm::vec3 n =
+          glm::vec3(source.pixels[i * source.channels], source.pixels[i * source.channels + 1],
+                    source.pixels[i * source.channels + 2]) *
+              2.0f -
+          1.0f;
       const float length = glm::length(n);
       if (!(length > 0.1f)) continue;
       out.pixels[2 * i] = n.x / length;
@@ -174,7 +192,9 @@ class MapBake {
     const Image source = resize(read(file, 1), size, size);
     Maps maps{flat(size, 2), flat(size, 1)};
     const double texel = length_of_uv / size;
-    const auto height = [&](uint32_t x, uint32_t y) { return double{source.at(x % size, y % size)[0]} * depth; };
+    const auto height = [&](uint32_t x, uint32_t y) {
+      return double{source.at(x % size, y % size)[0]} * depth;
+    };
     for (uint32_t y = 0; y < size; ++y)
       for (uint32_t x = 0; x < size; ++x) {
         const double dx = texel > 0.0 ? (height(x + 1, y) - height(x + size - 1, y)) / (2.0 * texel) : 0.0;
@@ -195,12 +215,14 @@ class MapBake {
     for (size_t l = 0; l < layers_.size(); ++l) {
       if (!reaches(layers_[l], set)) continue;
       const LayerRecipe& layer = recipe_.layers[l];
-      const auto add = [&](const Map& map, const Source& source, const std::optional<std::filesystem::path>& authored_shading, uint32_t& slice) {
+      const auto add = [&](const Map& map, const Source& source,
+                           const std::optional<std::filesystem::path>& authored_shading, uint32_t& slice) {
         Maps maps;
         if (const auto* normal = std::get_if<MapNormal>(&map)) {
           maps = {normalsOf(normal->texture, size), flat(size, 1)};
         } else if (const auto* height = std::get_if<MapHeight>(&map)) {
-          maps = mapsFromHeight(height->texture, size, source.settings ? source.settings->depth : height->depth, lengthOfUv(set));
+          maps = mapsFromHeight(height->texture, size,
+                                source.settings ? source.settings->depth : height->depth, lengthOfUv(set));
         } else if (source.synthesis) {
           SynthesizedMaps drawn = source.synthesis->draw(set.parts, size, threads_);
           maps = {std::move(drawn.normal), std::move(drawn.shading)};
@@ -209,7 +231,8 @@ class MapBake {
         }
         if (authored_shading) {
           const Image image = resize(read(*authored_shading, 1), size, size);
-          for (size_t i = 0; i < size_t{size} * size; ++i) maps.shading.pixels[i] = image.pixels[i * image.channels];
+          for (size_t i = 0; i < size_t{size} * size; ++i)
+            maps.shading.pixels[i] = image.pixels[i * image.channels];
         }
         slice = static_cast<uint32_t>(normals.size());
         normals.push_back(std::move(maps.normal));
@@ -231,7 +254,8 @@ class MapBake {
       const size_t channel = l % 4;
       if (const auto* texture = std::get_if<MaskTexture>(&recipe_.layers[l].mask)) {
         const Image image = resize(readImage(texture->texture), size, size);
-        for (size_t i = 0; i < size_t{size} * size; ++i) slice.pixels[4 * i + channel] = image.pixels[i * image.channels + texture->channel];
+        for (size_t i = 0; i < size_t{size} * size; ++i)
+          slice.pixels[4 * i + channel] = image.pixels[i * image.channels + texture->channel];
         continue;
       }
       for (size_t i = 0; i < size_t{size} * size; ++i) {
@@ -239,7 +263,8 @@ class MapBake {
         const glm::uvec3 p = in_.surface.trianglePoints(texels.triangle[i]);
         const glm::vec2 b = texels.barycentric[i];
         const std::vector<float>& strength = layers_[l].field.strength;
-        slice.pixels[4 * i + channel] = std::clamp(strength[p.x] * (1.0f - b.x - b.y) + strength[p.y] * b.x + strength[p.z] * b.y, 0.0f, 1.0f);
+        slice.pixels[4 * i + channel] = std::clamp(
+            strength[p.x] * (1.0f - b.x - b.y) + strength[p.y] * b.x + strength[p.z] * b.y, 0.0f, 1.0f);
       }
     }
     set.masks = encode(TextureFormat::kRgba8, slices);
@@ -256,7 +281,8 @@ class MapBake {
 
 }  // namespace
 
-std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
+std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
+                                      const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies) {
   return MapBake(input, recipe, layers, threads, dependencies).bake();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-// The maps of an asset: texture sets by material, with the wrinkle maps, shading maps and masks of every layer.
+// The maps of an asset: texture sets by material, with the wrinkle maps, shading maps and masks of every
+// layer.
 
 #include "pipeline/layer_bake.h"
 #include "pipeline/maps/encode.h"
@@ -14,8 +15,10 @@ struct BakedTextureSet {
   std::vector<uint32_t> compress_slice, stretch_slice;  // a layer, kAbsent: none
 };
 
-// Sets for all parts with UVs: by material, materials whose charts share one atlas without overlapping together. `dependencies` gains the images read. Throws Error (kBadData) for an image that cannot be used.
-std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers, uint32_t threads,
+// Sets for all parts with UVs: by material, materials whose charts share one atlas without overlapping
+// together. `dependencies` gains the images read. Throws Error (kBadData) for an image that cannot be used.
+std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
+                                      const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies);
 
 }  // namespace furrow::pipeline

@@ -1,6 +1,7 @@
 #pragma once
 
-// What the artist asks of the cook. Recipes are JSON; docs/recipe.schema.json is their published schema and docs/recipe.md explains them.
+// What the artist asks of the cook. Recipes are JSON; docs/recipe.schema.json is their published schema and
+// docs/recipe.md explains them.
 
 #include <array>
 #include <filesystem>
@@ -84,7 +85,8 @@ struct LayerRecipe {
   Mask mask = MaskAuto{};
   std::optional<Bias> bias;
   Map compress = MapSynthesized{};
-  std::optional<std::filesystem::path> compress_shading;  // authored alpha-shading map; else derived from the height
+  std::optional<std::filesystem::path>
+      compress_shading;  // authored alpha-shading map; else derived from the height
   Map stretch = MapNone{};
   std::optional<std::filesystem::path> stretch_shading;
   std::vector<DriverRecipe> drivers;
@@ -94,16 +96,18 @@ struct Recipe {
   std::filesystem::path file;  // empty for the default recipe
   Rest rest = RestBind{};
   double weld_tolerance = 0.0;
-  uint32_t map_size = 0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
+  uint32_t map_size =
+      0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
   std::vector<LayerRecipe> layers;
 };
 
 // One layer named "wrinkles" over everything, directions from the animation, synthesised map.
 Recipe defaultRecipe();
 
-// Reads and checks a recipe; paths in it are relative to it and come out absolute. Throws Error, kEnvironment if the file cannot be opened,
-// else kBadData: not JSON (with line and column), a key that stands twice, an unknown key (names where it stands and the nearest known one), a
-// wrong type or range, 0 or more than kMaxLayers layers, two layers of one name, a named image that does not exist.
+// Reads and checks a recipe; paths in it are relative to it and come out absolute. Throws Error, kEnvironment
+// if the file cannot be opened, else kBadData: not JSON (with line and column), a key that stands twice, an
+// unknown key (names where it stands and the nearest known one), a wrong type or range, 0 or more than
+// kMaxLayers layers, two layers of one name, a named image that does not exist.
 Recipe readRecipe(const std::filesystem::path& file);
 
 }  // namespace furrow::pipeline

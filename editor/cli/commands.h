@@ -1,7 +1,7 @@
 #pragma once
 
-// The subcommands of the furrow tool. Each adds itself to the command line and runs when it was chosen; faults are thrown as
-// pipeline::Error.
+// The subcommands of the furrow tool. Each adds itself to the command line and runs when it was chosen;
+// faults are thrown as pipeline::Error.
 
 #include <CLI/CLI.hpp>
 #include <functional>

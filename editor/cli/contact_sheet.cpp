@@ -1,11 +1,13 @@
-// furrow_contact_sheet OUT.png COLUMNS TITLE PICTURE=CAPTION...: pictures side by side, for the demo and the docs.
+// furrow_contact_sheet OUT.png COLUMNS TITLE PICTURE=CAPTION...: pictures side by side, for the demo and the
+// docs.
+
+#include "editor/preview/contact_sheet.h"
 
 #include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <vector>
 
-#include "editor/preview/contact_sheet.h"
 #include "pipeline/error.h"
 
 int main(int argc, char** argv) try {

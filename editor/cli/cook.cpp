@@ -18,7 +18,9 @@ struct Options {
   bool quiet = false;
 };
 
-void writeText(const std::string& file, const std::string& text) { pipeline::writeFile(file, std::as_bytes(std::span(text))); }
+void writeText(const std::string& file, const std::string& text) {
+  pipeline::writeFile(file, std::as_bytes(std::span(text)));
+}
 
 // A Make rule; spaces, '#' and '$' escaped as Make and Ninja want them.
 std::string depfileText(const std::string& target, const std::vector<std::filesystem::path>& dependencies) {
@@ -43,10 +45,13 @@ void run(const Options& options) {
     return !a.empty() && !b.empty() && std::filesystem::equivalent(a, b, error) && !error;
   };
   if (same(options.in, options.out) || same(options.recipe, options.out))
-    throw pipeline::Error(pipeline::Exit::kBadUsage, options.out, "the output would overwrite an input", "choose another name for -o");
+    throw pipeline::Error(pipeline::Exit::kBadUsage, options.out, "the output would overwrite an input",
+                          "choose another name for -o");
   pipeline::CookOptions cook_options;
-  cook_options.geometry = options.geometry == "raw" ? pipeline::GeometryCodec::kRaw : pipeline::GeometryCodec::kDraco;
-  cook_options.threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  cook_options.geometry =
+      options.geometry == "raw" ? pipeline::GeometryCodec::kRaw : pipeline::GeometryCodec::kDraco;
+  cook_options.threads =
+      options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   const pipeline::Cooked cooked = cookFile(options.in, options.recipe, cook_options, options.quiet);
   pipeline::writeFile(options.out, cooked.bytes);
   if (!options.depfile.empty()) writeText(options.depfile, depfileText(options.out, cooked.dependencies));
@@ -69,8 +74,9 @@ void run(const Options& options) {
     writeText(options.report, json.dump(2) + "\n");
   }
   if (!options.quiet)
-    std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n", options.out.c_str(), report.triangles, report.vertices,
-                 report.points, cooked.bytes.size(), seconds);
+    std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
+                 options.out.c_str(), report.triangles, report.vertices, report.points, cooked.bytes.size(),
+                 seconds);
 }
 
 }  // namespace
@@ -80,11 +86,16 @@ Command addCook(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   command->add_option("IN", options->in, "glTF 2.0 (.gltf, .glb), OBJ, PLY, STL or OFF")->required();
   command->add_option("-o,--output", options->out, "The asset to write")->required();
-  command->add_option("--recipe", options->recipe, "Recipe (JSON); without one, one layer worked out from the animation");
+  command->add_option("--recipe", options->recipe,
+                      "Recipe (JSON); without one, one layer worked out from the animation");
   command->add_option("--depfile", options->depfile, "Write a Make rule with every file that was read");
   command->add_option("--report", options->report, "Write what was done as JSON");
-  command->add_option("--geometry", options->geometry, "draco (default) or raw, which loads without Draco")->check(CLI::IsMember({"draco", "raw"}));
-  command->add_option("--threads", options->threads, "Threads for the maps (default: all cores); the bytes do not depend on it")->check(CLI::Range(1, 256));
+  command->add_option("--geometry", options->geometry, "draco (default) or raw, which loads without Draco")
+      ->check(CLI::IsMember({"draco", "raw"}));
+  command
+      ->add_option("--threads", options->threads,
+                   "Threads for the maps (default: all cores); the bytes do not depend on it")
+      ->check(CLI::Range(1, 256));
   command->add_flag("--quiet", options->quiet, "No progress, no warnings, no summary");
   return [options] { run(*options); };
 }

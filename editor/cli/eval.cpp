@@ -44,7 +44,8 @@ Result runCpu(const AssetView& asset, const FrameInput& input) {
     const CompressJob compress{&asset, l, result.positions, input.scale, triangle_q};
     require(compress.validate());
     compress.run(0, asset.triangleCount());
-    const std::span<float> q = std::span(result.q).subspan(size_t{l} * asset.pointCount(), asset.pointCount());
+    const std::span<float> q =
+        std::span(result.q).subspan(size_t{l} * asset.pointCount(), asset.pointCount());
     const SmoothJob smooth{&asset, triangle_q, q};
     require(smooth.validate());
     smooth.run(0, asset.pointCount());
@@ -59,8 +60,10 @@ Result runGpu(const AssetView& asset, const FrameInput& input) {
   const PlanOptions options{false, false};
   const FramePlan plan(asset, options);
   gl::Executor executor;
-  if (const Status status = executor.create(plan); !status.ok()) throw Error(Exit::kEnvironment, "--backend gpu", status.message, "use --backend cpu");
-  std::vector<std::byte> frame(plan.buffer(Buffer::kFrame).bytes), morphs(plan.buffer(Buffer::kMorphWeights).bytes);
+  if (const Status status = executor.create(plan); !status.ok())
+    throw Error(Exit::kEnvironment, "--backend gpu", status.message, "use --backend cpu");
+  std::vector<std::byte> frame(plan.buffer(Buffer::kFrame).bytes),
+      morphs(plan.buffer(Buffer::kMorphWeights).bytes);
   writeFrameConstants(asset, options, input, frame);
   writeMorphWeights(asset, input, morphs);
   executor.upload(Buffer::kFrame, frame);
@@ -79,7 +82,8 @@ Result runGpu(const AssetView& asset, const FrameInput& input) {
 
 std::string csv(const AssetView& asset, const Result& result, const double* origin) {
   std::string text = "vertex,point,x,y,z";
-  for (const Layer& layer : asset.layers) text += ",alpha_" + std::string(layer.name) + ",weight_" + std::string(layer.name);
+  for (const Layer& layer : asset.layers)
+    text += ",alpha_" + std::string(layer.name) + ",weight_" + std::string(layer.name);
   text += '\n';
   std::vector<uint32_t> asset_vertex(asset.vertexCount());
   for (uint32_t v = 0; v < asset.vertexCount(); ++v) asset_vertex[asset.source_vertex[v]] = v;
@@ -88,11 +92,13 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
     const uint32_t v = asset_vertex[source];
     const uint32_t point = asset.vertex_point[v];
     const Float3 p = result.positions[v];
-    std::snprintf(cell, sizeof cell, "%u,%u,%.9g,%.9g,%.9g", source, point, p.x + origin[0], p.y + origin[1], p.z + origin[2]);
+    std::snprintf(cell, sizeof cell, "%u,%u,%.9g,%.9g,%.9g", source, point, p.x + origin[0], p.y + origin[1],
+                  p.z + origin[2]);
     text += cell;
     for (uint32_t l = 0; l < asset.layerCount(); ++l) {
       const float q = result.q[size_t{l} * asset.pointCount() + point];
-      std::snprintf(cell, sizeof cell, ",%.9g,%.9g", 1.0 / std::max(q, kMinQ), result.weights[v * size_t{asset.weightStride()} + l] / 32767.0);
+      std::snprintf(cell, sizeof cell, ",%.9g,%.9g", 1.0 / std::max(q, kMinQ),
+                    result.weights[v * size_t{asset.weightStride()} + l] / 32767.0);
       text += cell;
     }
     text += '\n';
@@ -113,7 +119,8 @@ void run(const Options& options) {
     }
   }
   const AssetView& asset = opened.asset.view();
-  const Result result = chooseGpu(options.pose.backend, context_error) ? runGpu(asset, frame.input) : runCpu(asset, frame.input);
+  const Result result = chooseGpu(options.pose.backend, context_error) ? runGpu(asset, frame.input)
+                                                                       : runCpu(asset, frame.input);
   const std::string text = csv(asset, result, frame.origin);
   if (!options.out.empty())
     pipeline::writeFile(options.out, std::as_bytes(std::span(text)));

@@ -16,23 +16,36 @@ const char* measureName(Measure measure) {
 nlohmann::json describe(const OpenedAsset& opened) {
   const AssetView& a = opened.asset.view();
   using nlohmann::json;
-  json layers = json::array(), parts = json::array(), sets = json::array(), clips = json::array(), morphs = json::array();
+  json layers = json::array(), parts = json::array(), sets = json::array(), clips = json::array(),
+       morphs = json::array();
   for (const Layer& layer : a.layers)
-    layers.push_back({{"name", layer.name}, {"measure", measureName(layer.measure)}, {"lambda", layer.response.lambda}, {"beta", layer.response.beta}});
+    layers.push_back({{"name", layer.name},
+                      {"measure", measureName(layer.measure)},
+                      {"lambda", layer.response.lambda},
+                      {"beta", layer.response.beta}});
   for (const Part& part : a.parts)
-    parts.push_back({{"mesh", part.mesh}, {"material", part.material}, {"vertices", part.vertex_end - part.vertex_begin}, {"triangles", part.triangle_end - part.triangle_begin}});
+    parts.push_back({{"mesh", part.mesh},
+                     {"material", part.material},
+                     {"vertices", part.vertex_end - part.vertex_begin},
+                     {"triangles", part.triangle_end - part.triangle_begin}});
   size_t texture_bytes = 0;
   for (const TextureSet& set : a.texture_sets) {
     const size_t bytes = set.normals.data.size() + set.shading.data.size() + set.masks.data.size();
     texture_bytes += bytes;
-    sets.push_back({{"name", set.name}, {"size", set.normals.width}, {"maps", set.normals.slices}, {"masks", set.masks.slices}, {"bytes", bytes}});
+    sets.push_back({{"name", set.name},
+                    {"size", set.normals.width},
+                    {"maps", set.normals.slices},
+                    {"masks", set.masks.slices},
+                    {"bytes", bytes}});
   }
-  for (const pipeline::Clip& clip : opened.rig.clips) clips.push_back({{"name", clip.name}, {"seconds", clip.duration}});
+  for (const pipeline::Clip& clip : opened.rig.clips)
+    clips.push_back({{"name", clip.name}, {"seconds", clip.duration}});
   for (const Morph& morph : a.morphs) morphs.push_back(morph.name);
   uint64_t per_asset = texture_bytes, per_instance = 0;
   const FramePlan plan(a, {});
   for (uint32_t b = 0; b < static_cast<uint32_t>(Buffer::kCount); ++b)
-    (plan.buffer(static_cast<Buffer>(b)).lifetime == Lifetime::kPerAsset ? per_asset : per_instance) += plan.buffer(static_cast<Buffer>(b)).bytes;
+    (plan.buffer(static_cast<Buffer>(b)).lifetime == Lifetime::kPerAsset ? per_asset : per_instance) +=
+        plan.buffer(static_cast<Buffer>(b)).bytes;
   return {{"file", opened.file.string()},
           {"source", a.source},
           {"toolVersion", a.tool_version},
@@ -44,7 +57,11 @@ nlohmann::json describe(const OpenedAsset& opened) {
           {"influences", a.influences},
           {"paletteEntries", a.palette.size()},
           {"positionError", a.position_error},
-          {"sections", {{"textures", texture_bytes}, {"placeHash", a.place_hash.size()}, {"rig", a.rig.size()}, {"geometryAndLayers", opened.bytes - texture_bytes - a.place_hash.size() - a.rig.size()}}},
+          {"sections",
+           {{"textures", texture_bytes},
+            {"placeHash", a.place_hash.size()},
+            {"rig", a.rig.size()},
+            {"geometryAndLayers", opened.bytes - texture_bytes - a.place_hash.size() - a.rig.size()}}},
           {"gpuBytesPerAsset", per_asset},
           {"gpuBytesPerInstance", per_instance},
           {"layers", layers},
@@ -56,24 +73,36 @@ nlohmann::json describe(const OpenedAsset& opened) {
 
 void print(const nlohmann::json& j) {
   const auto number = [&](const char* key) { return j[key].get<unsigned long long>(); };
-  std::printf("%s: furrow asset, format %llu, cooked by furrow %s from %s\n", j["file"].get<std::string>().c_str(), number("formatVersion"),
+  std::printf("%s: furrow asset, format %llu, cooked by furrow %s from %s\n",
+              j["file"].get<std::string>().c_str(), number("formatVersion"),
               j["toolVersion"].get<std::string>().c_str(), j["source"].get<std::string>().c_str());
   std::printf("  %llu bytes:", number("bytes"));
-  for (const auto& [name, bytes] : j["sections"].items()) std::printf(" %s %llu", name.c_str(), bytes.get<unsigned long long>());
-  std::printf("\n  GPU memory: %llu bytes an asset, %llu an instance\n", number("gpuBytesPerAsset"), number("gpuBytesPerInstance"));
-  std::printf("  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries, position error %g\n", number("vertices"), number("triangles"),
-              number("points"), number("influences"), number("paletteEntries"), j["positionError"].get<double>());
+  for (const auto& [name, bytes] : j["sections"].items())
+    std::printf(" %s %llu", name.c_str(), bytes.get<unsigned long long>());
+  std::printf("\n  GPU memory: %llu bytes an asset, %llu an instance\n", number("gpuBytesPerAsset"),
+              number("gpuBytesPerInstance"));
+  std::printf(
+      "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries, position error "
+      "%g\n",
+      number("vertices"), number("triangles"), number("points"), number("influences"),
+      number("paletteEntries"), j["positionError"].get<double>());
   for (const auto& p : j["parts"])
-    std::printf("  part   %s / %s: %llu vertices, %llu triangles\n", p["mesh"].get<std::string>().c_str(), p["material"].get<std::string>().c_str(),
-                p["vertices"].get<unsigned long long>(), p["triangles"].get<unsigned long long>());
+    std::printf("  part   %s / %s: %llu vertices, %llu triangles\n", p["mesh"].get<std::string>().c_str(),
+                p["material"].get<std::string>().c_str(), p["vertices"].get<unsigned long long>(),
+                p["triangles"].get<unsigned long long>());
   for (const auto& l : j["layers"])
-    std::printf("  layer  %s: %s, lambda %g, beta %g\n", l["name"].get<std::string>().c_str(), l["measure"].get<std::string>().c_str(), l["lambda"].get<double>(), l["beta"].get<double>());
+    std::printf("  layer  %s: %s, lambda %g, beta %g\n", l["name"].get<std::string>().c_str(),
+                l["measure"].get<std::string>().c_str(), l["lambda"].get<double>(), l["beta"].get<double>());
   for (const auto& s : j["textureSets"])
-    std::printf("  maps   %s: %llu of %llu texels, %llu masks, %llu bytes\n", s["name"].get<std::string>().c_str(), s["maps"].get<unsigned long long>(),
-                s["size"].get<unsigned long long>(), s["masks"].get<unsigned long long>(), s["bytes"].get<unsigned long long>());
-  for (const auto& c : j["clips"]) std::printf("  clip   %s: %.3f s\n", c["name"].get<std::string>().c_str(), c["seconds"].get<double>());
+    std::printf("  maps   %s: %llu of %llu texels, %llu masks, %llu bytes\n",
+                s["name"].get<std::string>().c_str(), s["maps"].get<unsigned long long>(),
+                s["size"].get<unsigned long long>(), s["masks"].get<unsigned long long>(),
+                s["bytes"].get<unsigned long long>());
+  for (const auto& c : j["clips"])
+    std::printf("  clip   %s: %.3f s\n", c["name"].get<std::string>().c_str(), c["seconds"].get<double>());
   size_t index = 0;
-  for (const auto& m : j["morphTargets"]) std::printf("  morph  %zu %s\n", index++, m.get<std::string>().c_str());
+  for (const auto& m : j["morphTargets"])
+    std::printf("  morph  %zu %s\n", index++, m.get<std::string>().c_str());
 }
 
 }  // namespace
@@ -97,12 +126,14 @@ Command addInfo(CLI::App& app) {
 }
 
 Command addCheck(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("check", "Tell whether an asset or a source is valid, or exactly what is wrong");
+  CLI::App* command =
+      app.add_subcommand("check", "Tell whether an asset or a source is valid, or exactly what is wrong");
   const auto file = std::make_shared<std::string>();
   command->add_option("FILE", *file, "A .furrow file or a source")->required();
   return [file] {
     const OpenedAsset opened = openAsset(*file);
-    std::printf("%s: valid %s, %u triangles\n", file->c_str(), opened.cooked_here ? "source" : "asset", opened.asset.view().triangleCount());
+    std::printf("%s: valid %s, %u triangles\n", file->c_str(), opened.cooked_here ? "source" : "asset",
+                opened.asset.view().triangleCount());
   };
 }
 

@@ -18,11 +18,14 @@ using pipeline::Exit;
 
 std::vector<std::byte> readFile(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw Error(Exit::kBadData, file.string(), "there is no such file", "check the path");
-  if (std::filesystem::is_directory(file, error)) throw Error(Exit::kBadData, file.string(), "it is a folder", "name a file");
+  if (!std::filesystem::exists(file, error))
+    throw Error(Exit::kBadData, file.string(), "there is no such file", "check the path");
+  if (std::filesystem::is_directory(file, error))
+    throw Error(Exit::kBadData, file.string(), "it is a folder", "name a file");
   std::ifstream in(file, std::ios::binary);
   std::vector<std::byte> bytes(std::filesystem::file_size(file, error));
-  if (!in || error || !in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
+  if (!in || error ||
+      !in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
     throw Error(Exit::kEnvironment, file.string(), "it cannot be read", "check its permissions");
   return bytes;
 }
@@ -48,20 +51,28 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   }
   opened.bytes = bytes.size();
   if (const Status status = opened.asset.load(bytes); !status.ok())
-    throw Error(Exit::kBadData, file.string(), status.message, "cook it again from its source with 'furrow cook'");
+    throw Error(Exit::kBadData, file.string(), status.message,
+                "cook it again from its source with 'furrow cook'");
   try {
     opened.rig = pipeline::readRig(opened.asset.view().rig);
   } catch (const std::exception& error) {
-    throw Error(Exit::kBadData, file.string(), error.what(), "cook it again from its source with 'furrow cook'");
+    throw Error(Exit::kBadData, file.string(), error.what(),
+                "cook it again from its source with 'furrow cook'");
   }
-  if (opened.rig.palette.size() != opened.asset.view().palette.size() || opened.rig.morphs.size() != opened.asset.view().morphs.size())
-    throw Error(Exit::kBadData, file.string(), "its rig does not fit its geometry", "cook it again from its source with 'furrow cook'");
+  if (opened.rig.palette.size() != opened.asset.view().palette.size() ||
+      opened.rig.morphs.size() != opened.asset.view().morphs.size())
+    throw Error(Exit::kBadData, file.string(), "its rig does not fit its geometry",
+                "cook it again from its source with 'furrow cook'");
   return opened;
 }
 
-pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe, pipeline::CookOptions options, bool quiet) {
+pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
+                          pipeline::CookOptions options, bool quiet) {
   const bool terminal = !quiet && ::isatty(STDERR_FILENO);
-  if (terminal) options.progress = [&](const char* stage) { std::fprintf(stderr, "\r\033[Kfurrow: %s: %s ...", source.c_str(), stage); };
+  if (terminal)
+    options.progress = [&](const char* stage) {
+      std::fprintf(stderr, "\r\033[Kfurrow: %s: %s ...", source.c_str(), stage);
+    };
   options.progress("importing");
   struct ClearLine {
     bool on;
@@ -73,10 +84,12 @@ pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesy
   {
     const ClearLine clear{terminal};
     pipeline::SourceScene scene = pipeline::import(source);
-    cooked = pipeline::cook(std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);
+    cooked = pipeline::cook(
+        std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);
   }
   if (!quiet)
-    for (const std::string& warning : cooked.report.warnings) std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
+    for (const std::string& warning : cooked.report.warnings)
+      std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
   return cooked;
 }
 

@@ -21,7 +21,9 @@ struct OpenedAsset {
 
 OpenedAsset openAsset(const std::filesystem::path& file);
 
-// Cooks a source with a recipe (empty path: the default one); prints stages on a terminal and warnings on stderr, unless quiet.
-pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe, pipeline::CookOptions options, bool quiet);
+// Cooks a source with a recipe (empty path: the default one); prints stages on a terminal and warnings on
+// stderr, unless quiet.
+pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
+                          pipeline::CookOptions options, bool quiet);
 
 }  // namespace furrow::cli

@@ -25,19 +25,23 @@ std::pair<std::string, double> assignment(const std::string& text, const char* o
     const auto [stop, error] = std::from_chars(text.data() + equals + 1, end, value);
     if (error == std::errc() && stop == end && std::isfinite(value)) return {text.substr(0, equals), value};
   }
-  throw Error(Exit::kBadUsage, std::string(option) + " " + text, "is not NAME=NUMBER", "write for example " + std::string(option) + " jawOpen=0.5");
+  throw Error(Exit::kBadUsage, std::string(option) + " " + text, "is not NAME=NUMBER",
+              "write for example " + std::string(option) + " jawOpen=0.5");
 }
 
 // Indices of all that have the name, or the one that has the number.
-std::vector<size_t> select(const std::vector<std::string>& names, const std::string& wanted, const char* kind, const std::string& file) {
+std::vector<size_t> select(const std::vector<std::string>& names, const std::string& wanted, const char* kind,
+                           const std::string& file) {
   std::vector<size_t> found;
   for (size_t i = 0; i < names.size(); ++i)
     if (names[i] == wanted) found.push_back(i);
   size_t number = 0;
   const auto [stop, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-  if (found.empty() && error == std::errc() && stop == wanted.data() + wanted.size() && number < names.size()) found.push_back(number);
+  if (found.empty() && error == std::errc() && stop == wanted.data() + wanted.size() && number < names.size())
+    found.push_back(number);
   if (found.empty())
-    throw Error(Exit::kBadUsage, file, std::string("it has no ") + kind + " \"" + wanted + "\"", "it has: " + pipeline::joinNames(names, 80));
+    throw Error(Exit::kBadUsage, file, std::string("it has no ") + kind + " \"" + wanted + "\"",
+                "it has: " + pipeline::joinNames(names, 80));
   return found;
 }
 
@@ -45,12 +49,20 @@ std::vector<size_t> select(const std::vector<std::string>& names, const std::str
 
 void PoseOptions::add(CLI::App& command) {
   command.add_option("--clip", clip, "Clip to pose with, by name or number")
-      ->check([](const std::string& name) { return std::string(name.empty() ? "the name of the clip is empty" : ""); });
-  command.add_option("--time", time, "Time in the clip in seconds, clamped to it (default 0)")->needs("--clip");
-  command.add_option("--morph", morphs, "Weight of a morph target, M=W, by name or number; may be repeated")->allow_extra_args(false);
-  command.add_option("--region", regions, "Region weight of a layer, LAYER=W in [-1, 1]; may be repeated")->allow_extra_args(false);
-  command.add_option("--scale", scale, "Uniform scale of the whole instance that the pose contains (default 1)")->check(CLI::PositiveNumber);
-  command.add_option("--backend", backend, "Tier to compute on (default auto)")->check(CLI::IsMember({"auto", "gpu", "gpu-raster", "cpu"}));
+      ->check([](const std::string& name) {
+        return std::string(name.empty() ? "the name of the clip is empty" : "");
+      });
+  command.add_option("--time", time, "Time in the clip in seconds, clamped to it (default 0)")
+      ->needs("--clip");
+  command.add_option("--morph", morphs, "Weight of a morph target, M=W, by name or number; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--region", regions, "Region weight of a layer, LAYER=W in [-1, 1]; may be repeated")
+      ->allow_extra_args(false);
+  command
+      .add_option("--scale", scale, "Uniform scale of the whole instance that the pose contains (default 1)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--backend", backend, "Tier to compute on (default auto)")
+      ->check(CLI::IsMember({"auto", "gpu", "gpu-raster", "cpu"}));
 }
 
 PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
@@ -60,7 +72,8 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
   if (!options.clip.empty()) {
     std::vector<std::string> names;
     for (const pipeline::Clip& clip : opened.rig.clips) names.push_back(clip.name);
-    pipeline::applyClip(opened.rig, opened.rig.clips[select(names, options.clip, "clip", file).front()], options.time, pose);
+    pipeline::applyClip(opened.rig, opened.rig.clips[select(names, options.clip, "clip", file).front()],
+                        options.time, pose);
   }
   std::vector<std::string> names;
   for (const Morph& morph : asset.morphs) names.emplace_back(morph.name);
@@ -84,7 +97,8 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
   }
   for (float& weight : frame.region_weights) weight = std::clamp(weight, -1.0f, 1.0f);
 
-  // Poses are computed about where the first vertex stands, so that a character far from the root keeps its precision.
+  // Poses are computed about where the first vertex stands, so that a character far from the root keeps its
+  // precision.
   const Float3 p = asset.positions.front();
   const uint32_t entry = asset.joints.front();
   const glm::dvec4 origin = posed.palette[entry] * glm::dvec4(p.x, p.y, p.z, 1.0);
@@ -93,7 +107,8 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
     Affine affine;
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column)
-        affine.m[4 * row + column] = static_cast<float>(m[column][row] - (column == 3 ? frame.origin[row] : 0.0));
+        affine.m[4 * row + column] =
+            static_cast<float>(m[column][row] - (column == 3 ? frame.origin[row] : 0.0));
     frame.palette.push_back(affine);
   }
   frame.input.palette = frame.palette;
@@ -105,14 +120,18 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
 
 bool chooseGpu(const std::string& backend, const std::string& context_error) {
   if (backend == "cpu") return false;
-  if (backend == "gpu-raster") throw Error(Exit::kEnvironment, "--backend gpu-raster", "this furrow was built without it", "use --backend gpu or cpu");
+  if (backend == "gpu-raster")
+    throw Error(Exit::kEnvironment, "--backend gpu-raster", "this furrow was built without it",
+                "use --backend gpu or cpu");
   std::string reason = context_error;
   if (reason.empty()) {
     const gl::Support support = gl::querySupport();
     if (support.gpu) return true;
     reason = support.reason;
   }
-  if (backend == "gpu") throw Error(Exit::kEnvironment, "--backend gpu", "not available (" + reason + ")", "use --backend cpu or auto");
+  if (backend == "gpu")
+    throw Error(Exit::kEnvironment, "--backend gpu", "not available (" + reason + ")",
+                "use --backend cpu or auto");
   std::fprintf(stderr, "furrow: using the cpu tier: %s\n", reason.c_str());
   return false;
 }

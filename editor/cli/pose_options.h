@@ -32,8 +32,9 @@ struct PosedFrame {
 // Throws Error (kBadUsage) for a clip, morph target or layer that the asset lacks, naming those it has.
 PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options);
 
-// The tier to run: "gpu" or "cpu". For auto, cpu where there is no OpenGL 4.3, and says so on stderr. A forced tier that is missing throws
-// Error (kEnvironment). Needs a current context for gpu: `context_error` says why there is none, or is empty.
+// The tier to run: "gpu" or "cpu". For auto, cpu where there is no OpenGL 4.3, and says so on stderr. A
+// forced tier that is missing throws Error (kEnvironment). Needs a current context for gpu: `context_error`
+// says why there is none, or is empty.
 bool chooseGpu(const std::string& backend, const std::string& context_error);
 
 }  // namespace furrow::cli

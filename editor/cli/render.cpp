@@ -17,9 +17,12 @@ const std::map<std::string, preview::Shading> kShadings = {{"interpolated", prev
                                                            {"blend", preview::Shading::kBlend},
                                                            {"alpha", preview::Shading::kAlpha},
                                                            {"none", preview::Shading::kNone}};
-const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::kBeauty}, {"weight", preview::View::kWeight},
-                                                     {"direction", preview::View::kDirection}, {"point", preview::View::kPoint},
-                                                     {"mask", preview::View::kMask}, {"bias", preview::View::kBias},
+const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::kBeauty},
+                                                     {"weight", preview::View::kWeight},
+                                                     {"direction", preview::View::kDirection},
+                                                     {"point", preview::View::kPoint},
+                                                     {"mask", preview::View::kMask},
+                                                     {"bias", preview::View::kBias},
                                                      {"confidence", preview::View::kConfidence}};
 
 struct Options {
@@ -35,9 +38,11 @@ void parseSize(const std::string& text, uint32_t& width, uint32_t& height) {
   const auto [x, first_error] = std::from_chars(text.data(), end, width);
   if (first_error == std::errc() && x != end && *x == 'x') {
     const auto [stop, error] = std::from_chars(x + 1, end, height);
-    if (error == std::errc() && stop == end && width >= 1 && height >= 1 && width <= 4096 && height <= 4096) return;
+    if (error == std::errc() && stop == end && width >= 1 && height >= 1 && width <= 4096 && height <= 4096)
+      return;
   }
-  throw Error(Exit::kBadUsage, "--size " + text, "is not WIDTHxHEIGHT with sides from 1 to 4096", "write for example --size 1024x1024");
+  throw Error(Exit::kBadUsage, "--size " + text, "is not WIDTHxHEIGHT with sides from 1 to 4096",
+              "write for example --size 1024x1024");
 }
 
 void run(const Options& options) {
@@ -47,23 +52,32 @@ void run(const Options& options) {
   const AssetView& asset = opened.asset.view();
   const PosedFrame frame = poseFrame(opened, options.pose);
   if (!options.layer.empty()) {
-    while (render.layer < asset.layerCount() && asset.layers[render.layer].name != options.layer) ++render.layer;
-    if (render.layer == asset.layerCount()) throw Error(Exit::kBadUsage, options.asset, "it has no layer \"" + options.layer + "\"", "see 'furrow info'");
+    while (render.layer < asset.layerCount() && asset.layers[render.layer].name != options.layer)
+      ++render.layer;
+    if (render.layer == asset.layerCount())
+      throw Error(Exit::kBadUsage, options.asset, "it has no layer \"" + options.layer + "\"",
+                  "see 'furrow info'");
   }
   const preview::HeadlessContext context;
   const bool gpu = chooseGpu(options.pose.backend, {});
   render.tier = gpu ? preview::Tier::kGpu : preview::Tier::kCpu;
-  render.shading = !options.shading.empty() ? kShadings.at(options.shading) : gpu ? preview::Shading::kInterpolated : preview::Shading::kAlpha;
+  render.shading = !options.shading.empty() ? kShadings.at(options.shading)
+                   : gpu                    ? preview::Shading::kInterpolated
+                                            : preview::Shading::kAlpha;
   render.view = kViews.at(options.view);
 
   std::vector<Float3> posed(asset.vertexCount());
   const DeformJob deform{&asset, frame.palette, frame.morph_weights, posed, {}, {}};
-  if (const Status status = deform.validate(); !status.ok()) throw Error(Exit::kBadData, options.asset, status.message, "cook it again");
+  if (const Status status = deform.validate(); !status.ok())
+    throw Error(Exit::kBadData, options.asset, status.message, "cook it again");
   deform.run(0, asset.vertexCount());
-  render.camera = preview::fitCamera(posed, static_cast<float>(render.width) / static_cast<float>(render.height), options.yaw, options.pitch);
+  render.camera =
+      preview::fitCamera(posed, static_cast<float>(render.width) / static_cast<float>(render.height),
+                         options.yaw, options.pitch);
   render.camera.distance /= options.zoom;
   if (options.target.size() == 3)
-    render.camera.target = {static_cast<float>(options.target[0] - frame.origin[0]), static_cast<float>(options.target[1] - frame.origin[1]),
+    render.camera.target = {static_cast<float>(options.target[0] - frame.origin[0]),
+                            static_cast<float>(options.target[1] - frame.origin[1]),
                             static_cast<float>(options.target[2] - frame.origin[2])};
   preview::Renderer renderer(asset);
   pipeline::writeImage(options.out, renderer.render(frame.input, render));
@@ -79,14 +93,21 @@ Command addRender(CLI::App& app) {
   for (const auto& [name, value] : kViews) views.push_back(name);
   command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
   command->add_option("-o,--output", options->out, "PNG file to write")->required();
-  command->add_option("--shading", options->shading, "How wrinkles are drawn (default: interpolated, on the cpu tier alpha)")->check(CLI::IsMember(shadings));
+  command
+      ->add_option("--shading", options->shading,
+                   "How wrinkles are drawn (default: interpolated, on the cpu tier alpha)")
+      ->check(CLI::IsMember(shadings));
   command->add_option("--view", options->view, "What is drawn (default beauty)")->check(CLI::IsMember(views));
-  command->add_option("--layer", options->layer, "Layer that the views of one layer show (default: the first)");
+  command->add_option("--layer", options->layer,
+                      "Layer that the views of one layer show (default: the first)");
   command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels (default 1024x1024)");
-  command->add_option("--yaw", options->yaw, "Orbit to the side in degrees; 0 shows the front")->check(CLI::Range(-360.0, 360.0));
+  command->add_option("--yaw", options->yaw, "Orbit to the side in degrees; 0 shows the front")
+      ->check(CLI::Range(-360.0, 360.0));
   command->add_option("--pitch", options->pitch, "Orbit upwards in degrees")->check(CLI::Range(-89.0, 89.0));
-  command->add_option("--zoom", options->zoom, "Nearer (above 1) or farther than what fits the picture")->check(CLI::Range(0.05, 50.0));
-  command->add_option("--target", options->target, "X Y Z to look at, in root space (default: the middle)")->expected(3);
+  command->add_option("--zoom", options->zoom, "Nearer (above 1) or farther than what fits the picture")
+      ->check(CLI::Range(0.05, 50.0));
+  command->add_option("--target", options->target, "X Y Z to look at, in root space (default: the middle)")
+      ->expected(3);
   options->pose.add(*command);
   return [options] { run(*options); };
 }

@@ -8,14 +8,16 @@
 
 namespace furrow::pipeline {
 
-std::vector<float> makeCoefficients(const Surface& surface, Measure measure, const std::vector<glm::vec3>& directions,
+std::vector<float> makeCoefficients(const Surface& surface, Measure measure,
+                                    const std::vector<glm::vec3>& directions,
                                     const std::vector<bool>& covered) {
   const size_t each = coefficientCount(measure);
   std::vector<float> out(surface.triangles.size() * each, 0.0f);
   for (size_t t = 0; each > 0 && t < surface.triangles.size(); ++t) {
     if (!covered[t] || isDegenerate(surface, t)) continue;
     const glm::uvec3 p = surface.trianglePoints(t);
-    const TriangleFrame frame = triangleFrame(surface.point_positions[p.x], surface.point_positions[p.y], surface.point_positions[p.z]);
+    const TriangleFrame frame = triangleFrame(surface.point_positions[p.x], surface.point_positions[p.y],
+                                              surface.point_positions[p.z]);
     if (!(frame.e1x > 0.0) || !(frame.e2y > 0.0)) continue;
     float* c = &out[t * each];
     if (measure == Measure::kArea) {

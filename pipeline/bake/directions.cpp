@@ -95,7 +95,8 @@ DirectionField directionsFromSqueeze(const Surface& surface, const Squeeze& sque
   std::vector<double> area(points);
   for (size_t t = 0; t < surface.triangles.size(); ++t) {
     const glm::uvec3 corners = surface.triangles[t];
-    const TriangleFrame frame = triangleFrame(surface.positions[corners.x], surface.positions[corners.y], surface.positions[corners.z]);
+    const TriangleFrame frame = triangleFrame(surface.positions[corners.x], surface.positions[corners.y],
+                                              surface.positions[corners.z]);
     const double weight = 0.5 * frame.e1x * frame.e2y;
     const glm::dvec3 tensor = squeeze.tensor[t];
     const Complex z(tensor.x - tensor.z, 2.0 * tensor.y);
@@ -128,7 +129,8 @@ DirectionField directionsFromSqueeze(const Surface& surface, const Squeeze& sque
     for (int c = 0; c < 3; ++c) {
       const uint32_t i = p[c], j = p[(c + 1) % 3];
       if (i == j) continue;
-      const Complex r = 0.5 * transport(frames[j], surface.point_normals[j], frames[i], surface.point_normals[i]);
+      const Complex r =
+          0.5 * transport(frames[j], surface.point_normals[j], frames[i], surface.point_normals[i]);
       entries.push_back({static_cast<int>(i), static_cast<int>(j), -r});
       entries.push_back({static_cast<int>(j), static_cast<int>(i), -std::conj(r)});
       diagonal[i] += 0.5;

@@ -12,7 +12,8 @@ namespace furrow::pipeline {
 bool isDegenerate(const Surface& surface, size_t triangle) {
   const glm::uvec3 p = surface.trianglePoints(triangle);
   if (p.x == p.y || p.y == p.z || p.z == p.x) return true;
-  const glm::dvec3 a = surface.point_positions[p.x], b = surface.point_positions[p.y], c = surface.point_positions[p.z];
+  const glm::dvec3 a = surface.point_positions[p.x], b = surface.point_positions[p.y],
+                   c = surface.point_positions[p.z];
   const double longest = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
   return !(glm::length(glm::cross(b - a, c - a)) > 1e-6 * longest);
 }

@@ -9,8 +9,8 @@
 
 namespace furrow::pipeline {
 
-// Point p's triangles are triangles[offsets[p]] to triangles[offsets[p + 1]], ascending, with weights that sum to exactly 65535.
-// Degenerate triangles (no area, or two corners in one point) are in no ring.
+// Point p's triangles are triangles[offsets[p]] to triangles[offsets[p + 1]], ascending, with weights that
+// sum to exactly 65535. Degenerate triangles (no area, or two corners in one point) are in no ring.
 struct Rings {
   std::vector<uint32_t> offsets;
   std::vector<uint32_t> triangles;

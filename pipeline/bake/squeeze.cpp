@@ -10,8 +10,8 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr double kNoise = 0.01;        // a squeeze below one percent is not one
-constexpr int kMostClipPoses = 64;     // over all clips
+constexpr double kNoise = 0.01;     // a squeeze below one percent is not one
+constexpr int kMostClipPoses = 64;  // over all clips
 constexpr double kPosesASecond = 12.0;
 
 class Meter {
@@ -23,7 +23,8 @@ class Meter {
 
   void measure(size_t t, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double& total) {
     const glm::uvec3 corners = surface_.triangles[t];
-    const TriangleFrame rest = triangleFrame(surface_.positions[corners.x], surface_.positions[corners.y], surface_.positions[corners.z]);
+    const TriangleFrame rest = triangleFrame(surface_.positions[corners.x], surface_.positions[corners.y],
+                                             surface_.positions[corners.z]);
     const double area = rest.e1x * rest.e2y;
     if (!(area > 0.0) || isDegenerate(surface_, t)) return;
     const glm::dvec3 f1 = (b - a) / rest.e1x;
@@ -38,7 +39,8 @@ class Meter {
     const double cos2 = spread > 0.0 ? -half / spread : 0.0;
     const double sin2 = spread > 0.0 ? -xy / spread : 0.0;
     const double weight = s * s;
-    squeeze_.tensor[t] += glm::vec3(weight * 0.5 * (1.0 + cos2), weight * 0.5 * sin2, weight * 0.5 * (1.0 - cos2));
+    squeeze_.tensor[t] +=
+        glm::vec3(weight * 0.5 * (1.0 + cos2), weight * 0.5 * sin2, weight * 0.5 * (1.0 - cos2));
     squeeze_.peak[t] = std::max(squeeze_.peak[t], static_cast<float>(s));
     total += s * area;
   }
@@ -61,7 +63,8 @@ TriangleFrame triangleFrame(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
   return frame;
 }
 
-Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface, const std::vector<uint32_t>& source_vertex) {
+Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
+                       const std::vector<uint32_t>& source_vertex) {
   Squeeze squeeze;
   Meter meter(surface, squeeze);
 
@@ -71,7 +74,8 @@ Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface, const s
     const Part& part = scene.parts[span.source_part];
     const Primitive& primitive = scene.primitives[part.primitive];
     std::vector<uint32_t> asset_vertex(primitive.positions.size());
-    for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v) asset_vertex[source_vertex[v] - span.vertex_begin] = v;
+    for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
+      asset_vertex[source_vertex[v] - span.vertex_begin] = v;
     const glm::dmat3 linear(span.rest);
     for (const MorphDelta& delta : primitive.morphs) {
       for (size_t i = 0; i < delta.vertices.size(); ++i) {
@@ -81,7 +85,8 @@ Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface, const s
       }
       for (uint32_t t = span.triangle_begin; t < span.triangle_end; ++t) {
         const glm::uvec3 c = surface.triangles[t];
-        if (touched[c.x] | touched[c.y] | touched[c.z]) meter.measure(t, moved[c.x], moved[c.y], moved[c.z], squeeze.by_morphs);
+        if (touched[c.x] | touched[c.y] | touched[c.z])
+          meter.measure(t, moved[c.x], moved[c.y], moved[c.z], squeeze.by_morphs);
       }
       for (uint32_t source : delta.vertices) {
         moved[asset_vertex[source]] = surface.positions[asset_vertex[source]];

@@ -1,7 +1,7 @@
 #pragma once
 
-// How the animation squeezes the surface: over the morph targets, each at 1, and sampled poses of every clip, the compressive part of each
-// triangle's strain.
+// How the animation squeezes the surface: over the morph targets, each at 1, and sampled poses of every clip,
+// the compressive part of each triangle's strain.
 
 #include <glm/vec3.hpp>
 #include <vector>
@@ -12,16 +12,18 @@
 namespace furrow::pipeline {
 
 struct Squeeze {
-  // Per triangle, the sum over poses of s^2 v v^T, with s = 1 - (smallest stretch) > 0 and v its direction at rest, as a symmetric tensor
-  // xx xy yy in the triangle's frame (x along its first edge).
+  // Per triangle, the sum over poses of s^2 v v^T, with s = 1 - (smallest stretch) > 0 and v its direction at
+  // rest, as a symmetric tensor xx xy yy in the triangle's frame (x along its first edge).
   std::vector<glm::vec3> tensor;
-  std::vector<float> peak;  // per triangle, largest s, [0, 1]
+  std::vector<float> peak;                 // per triangle, largest s, [0, 1]
   double by_morphs = 0.0, by_clips = 0.0;  // area-weighted sums of s, to tell faces from clothing
   bool any() const { return by_morphs + by_clips > 0.0; }
 };
 
-// `scene` holds the positions that `surface` was made from; `source_vertex` maps surface vertices to source order.
-Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface, const std::vector<uint32_t>& source_vertex);
+// `scene` holds the positions that `surface` was made from; `source_vertex` maps surface vertices to source
+// order.
+Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
+                       const std::vector<uint32_t>& source_vertex);
 
 // Frame of a triangle: origin-free edges e1, e2 in 2D, x along e1.
 struct TriangleFrame {

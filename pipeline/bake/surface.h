@@ -1,6 +1,7 @@
 #pragma once
 
-// The surface that the bake works on: decoded geometry in the asset's vertex order, welded into points, in the scene root's space at rest.
+// The surface that the bake works on: decoded geometry in the asset's vertex order, welded into points, in
+// the scene root's space at rest.
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -23,16 +24,17 @@ struct SurfacePart {
 struct Surface {
   std::vector<SurfacePart> parts;
 
-  // Per vertex. Positions, normals and tangents are in root space at rest, normals and tangents unit and tangent orthogonal to normal.
+  // Per vertex. Positions, normals and tangents are in root space at rest, normals and tangents unit and
+  // tangent orthogonal to normal.
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;
   std::vector<glm::vec4> tangents;  // bitangent = w * cross(normal, tangent)
   std::vector<glm::vec2> uvs;
   std::vector<uint32_t> vertex_point;
 
-  std::vector<glm::uvec3> triangles;        // vertices
-  std::vector<glm::vec3> point_positions;   // per point
-  std::vector<glm::vec3> point_normals;     // per point, unit (+Y where it has none)
+  std::vector<glm::uvec3> triangles;       // vertices
+  std::vector<glm::vec3> point_positions;  // per point
+  std::vector<glm::vec3> point_normals;    // per point, unit (+Y where it has none)
 
   glm::uvec3 trianglePoints(size_t t) const {
     return {vertex_point[triangles[t].x], vertex_point[triangles[t].y], vertex_point[triangles[t].z]};

@@ -12,8 +12,8 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr float kSameWeight = 1e-3f;    // exporters round weights to 8 or 16 bits
-constexpr float kSameMotion = 1e-6f;    // of the bounding box's diagonal: float noise of a displacement
+constexpr float kSameWeight = 1e-3f;  // exporters round weights to 8 or 16 bits
+constexpr float kSameMotion = 1e-6f;  // of the bounding box's diagonal: float noise of a displacement
 
 struct Key {
   uint32_t x, y, z;
@@ -27,12 +27,13 @@ struct KeyHash {
   }
 };
 Key keyOf(glm::vec3 p) {  // adding zero turns -0 into 0
-  return {std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f), std::bit_cast<uint32_t>(p.z + 0.0f)};
+  return {std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
+          std::bit_cast<uint32_t>(p.z + 0.0f)};
 }
 
 // What moves a vertex, comparable between parts.
 struct Motion {
-  std::vector<std::pair<uint32_t, float>> nodes;      // by node, weights summed
+  std::vector<std::pair<uint32_t, float>> nodes;       // by node, weights summed
   std::vector<std::pair<uint32_t, glm::vec3>> morphs;  // by morph id
 };
 
@@ -57,14 +58,16 @@ class Motions {
       std::map<uint32_t, float> by_node;
       for (uint32_t k = 0; k < primitive.influences; ++k) {
         const size_t i = size_t{vertex} * primitive.influences + k;
-        if (primitive.weights[i] > 0.0f) by_node[scene_.rig.palette[part.palette_begin + primitive.joints[i]].node] += primitive.weights[i];
+        if (primitive.weights[i] > 0.0f)
+          by_node[scene_.rig.palette[part.palette_begin + primitive.joints[i]].node] += primitive.weights[i];
       }
       motion.nodes.assign(by_node.begin(), by_node.end());
     }
     const auto& rows = morphRows(part.primitive);
     for (uint32_t i = rows.offsets[vertex]; i < rows.offsets[vertex + 1]; ++i)
       motion.morphs.push_back({morph_id_[part.first_morph + rows.entries[i].first], rows.entries[i].second});
-    std::sort(motion.morphs.begin(), motion.morphs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::sort(motion.morphs.begin(), motion.morphs.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
     return motion;
   }
 
@@ -97,12 +100,15 @@ class Motions {
 
 // Both lists ascend by id; an id that one lacks counts as zero there.
 template <typename Value, typename Size>
-bool alike(const std::vector<std::pair<uint32_t, Value>>& a, const std::vector<std::pair<uint32_t, Value>>& b, float tolerance, Size size) {
+bool alike(const std::vector<std::pair<uint32_t, Value>>& a, const std::vector<std::pair<uint32_t, Value>>& b,
+           float tolerance, Size size) {
   size_t i = 0, j = 0;
   while (i < a.size() || j < b.size()) {
     const bool only_a = j == b.size() || (i < a.size() && a[i].first < b[j].first);
     const bool only_b = i == a.size() || (j < b.size() && b[j].first < a[i].first);
-    const float difference = only_a ? size(a[i].second) : only_b ? size(b[j].second) : size(a[i].second - b[j].second);
+    const float difference = only_a   ? size(a[i].second)
+                             : only_b ? size(b[j].second)
+                                      : size(a[i].second - b[j].second);
     if (!(difference <= tolerance)) return false;
     i += !only_b;
     j += !only_a;
@@ -127,7 +133,8 @@ Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions) {
   }
   const float same_motion = kSameMotion * glm::length(highest - lowest);
 
-  // Points of each place, as a list through `next_in_place`. Motions matter only where a place has several vertices.
+  // Points of each place, as a list through `next_in_place`. Motions matter only where a place has several
+  // vertices.
   std::vector<uint32_t> vertices_at(places.size(), 0);
   for (uint32_t place : result.vertex_place) ++vertices_at[place];
   Motions motions(scene);

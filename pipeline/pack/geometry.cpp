@@ -23,7 +23,8 @@ double shortEdge(const Primitive& primitive) {
   std::vector<float> lengths;
   for (size_t i = 0; i < primitive.indices.size(); ++i) {
     const size_t next = i % 3 == 2 ? i - 2 : i + 1;
-    const float length = glm::distance(primitive.positions[primitive.indices[i]], primitive.positions[primitive.indices[next]]);
+    const float length = glm::distance(primitive.positions[primitive.indices[i]],
+                                       primitive.positions[primitive.indices[next]]);
     if (length > 0.0f) lengths.push_back(length);
   }
   if (lengths.empty()) return 0.0;
@@ -50,7 +51,8 @@ PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& v
     for (int c = 0; c < Vector::length(); ++c)
       attribute.values.push_back(
           attribute.step > 0.0f
-              ? std::min(most, static_cast<uint32_t>(std::lround((double{v[c]} - double{lowest[c]}) / double{attribute.step})))
+              ? std::min(most, static_cast<uint32_t>(
+                                   std::lround((double{v[c]} - double{lowest[c]}) / double{attribute.step})))
               : 0u);
   return attribute;
 }
@@ -77,7 +79,8 @@ void packSkin(const Primitive& primitive, PackedPart& part) {
     for (uint32_t k = 0; k < primitive.influences; ++k) weights[k] = primitive.weights[v * most + k];
     if (primitive.influences == 0) weights[0] = 1.0;
     quantizeUnitSum(weights, {&shares[v * most], most});
-    used = std::max(used, static_cast<uint32_t>(most - std::count(&shares[v * most], &shares[v * most] + most, 0)));
+    used = std::max(used,
+                    static_cast<uint32_t>(most - std::count(&shares[v * most], &shares[v * most] + most, 0)));
   }
   PackedAttribute joints{format::Semantic::Joints, used, 16, {}, 1.0f, {}};
   PackedAttribute weights{format::Semantic::Weights, used, 16, {}, 1.0f, {}};
@@ -106,23 +109,27 @@ bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int met
     const auto type = source.semantic == format::Semantic::Position ? draco::GeometryAttribute::POSITION
                       : source.semantic == format::Semantic::Uv     ? draco::GeometryAttribute::TEX_COORD
                                                                     : draco::GeometryAttribute::GENERIC;
-    shape.Init(type, nullptr, static_cast<uint8_t>(source.components), draco::DT_UINT32, false, 4 * source.components, 0);
+    shape.Init(type, nullptr, static_cast<uint8_t>(source.components), draco::DT_UINT32, false,
+               4 * source.components, 0);
     const int id = mesh.AddAttribute(shape, true, part.vertices);
     draco::PointAttribute* attribute = mesh.attribute(id);
     for (uint32_t v = 0; v < part.vertices; ++v)
-      attribute->SetAttributeValue(draco::AttributeValueIndex(v), &source.values[size_t{v} * source.components]);
+      attribute->SetAttributeValue(draco::AttributeValueIndex(v),
+                                   &source.values[size_t{v} * source.components]);
     attribute->set_unique_id(static_cast<uint32_t>(source.semantic));
     // Seams share positions, so that the connectivity is that of the closed surface.
     if (source.semantic == format::Semantic::Position) attribute->DeduplicateValues(*attribute);
   }
   for (size_t i = 0; i < indices.size(); i += 3)
-    mesh.AddFace({draco::PointIndex(indices[i]), draco::PointIndex(indices[i + 1]), draco::PointIndex(indices[i + 2])});
+    mesh.AddFace({draco::PointIndex(indices[i]), draco::PointIndex(indices[i + 1]),
+                  draco::PointIndex(indices[i + 2])});
   draco::Encoder encoder;
   encoder.SetSpeedOptions(kDracoSpeed, kDracoSpeed);
   encoder.SetEncodingMethod(method);
   encoder.SetTrackEncodedProperties(true);
   draco::EncoderBuffer buffer;
-  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok() || encoder.num_encoded_points() != part.vertices) return false;
+  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok() || encoder.num_encoded_points() != part.vertices)
+    return false;
   part.triangles = static_cast<uint32_t>(encoder.num_encoded_faces());
   part.draco.assign(buffer.data(), buffer.data() + buffer.size());
   return true;
@@ -136,13 +143,14 @@ Status decodePacked(const PackedPart& part, uint32_t influences, PartGeometry& o
 
 }  // namespace
 
-PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals, std::span<const glm::vec4> tangents,
-                        uint32_t palette_count, GeometryCodec codec) {
+PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, GeometryCodec codec) {
   PackedPart part;
   part.palette_count = palette_count;
   part.vertices = static_cast<uint32_t>(primitive.positions.size());
   part.triangles = static_cast<uint32_t>(primitive.indices.size() / 3);
-  part.attributes.push_back(quantize(format::Semantic::Position, primitive.positions, positionBits(primitive)));
+  part.attributes.push_back(
+      quantize(format::Semantic::Position, primitive.positions, positionBits(primitive)));
   if (!primitive.uvs.empty()) part.attributes.push_back(quantize(format::Semantic::Uv, primitive.uvs, 16));
 
   PackedAttribute normal{format::Semantic::Normal, 2, kNormalBits, {}, 1.0f, {}};
@@ -153,7 +161,8 @@ PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> n
     encodeOctahedral({normals[v].x, normals[v].y, normals[v].z}, kNormalBits, x, y);
     normal.values.insert(normal.values.end(), {x, y});
     tangent.values.push_back(encodeTangent(decodeOctahedral(x, y, kNormalBits),
-                                           {tangents[v].x, tangents[v].y, tangents[v].z, tangents[v].w}, kTangentBits));
+                                           {tangents[v].x, tangents[v].y, tangents[v].z, tangents[v].w},
+                                           kTangentBits));
     source.values.push_back(v);
   }
   part.attributes.push_back(std::move(normal));
@@ -165,7 +174,9 @@ PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> n
     for (const int method : {draco::MESH_EDGEBREAKER_ENCODING, draco::MESH_SEQUENTIAL_ENCODING}) {
       PackedPart trial = part;
       PartGeometry decoded;
-      if (encodeDraco(trial, primitive.indices, method) && decodePacked(trial, influencesOf(trial), decoded).ok()) return trial;
+      if (encodeDraco(trial, primitive.indices, method) &&
+          decodePacked(trial, influencesOf(trial), decoded).ok())
+        return trial;
     }
   }
   part.indices = primitive.indices;
@@ -177,23 +188,28 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
   const bool raw = part.draco.empty();
   for (const PackedAttribute& attribute : part.attributes)
     attributes.push_back(format::CreateAttribute(
-        builder, attribute.semantic, static_cast<uint8_t>(attribute.components), static_cast<uint8_t>(attribute.bits),
-        builder.CreateVector(attribute.offset), attribute.step,
-        raw ? writeStream(builder, attribute.values.data(), 4, attribute.values.size()) : flatbuffers::Offset<format::Stream>()));
-  const auto indices = raw ? writeStream(builder, part.indices.data(), 4, part.indices.size(), format::Codec::MeshoptSequence)
-                           : flatbuffers::Offset<format::Stream>();
+        builder, attribute.semantic, static_cast<uint8_t>(attribute.components),
+        static_cast<uint8_t>(attribute.bits), builder.CreateVector(attribute.offset), attribute.step,
+        raw ? writeStream(builder, attribute.values.data(), 4, attribute.values.size())
+            : flatbuffers::Offset<format::Stream>()));
+  const auto indices =
+      raw ? writeStream(builder, part.indices.data(), 4, part.indices.size(), format::Codec::MeshoptSequence)
+          : flatbuffers::Offset<format::Stream>();
   std::vector<float> rest;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) rest.push_back(static_cast<float>(part.rest[column][row]));
   const format::Color color(part.base_color.r, part.base_color.g, part.base_color.b, part.base_color.a);
-  return format::CreatePart(builder, builder.CreateString(part.mesh), builder.CreateString(part.material), part.vertices, part.triangles,
-                            builder.CreateVector(attributes), builder.CreateVector(part.draco), indices, part.palette_begin,
-                            part.palette_count, part.texture_set, &color, builder.CreateVector(rest), part.has_normals, part.has_uvs);
+  return format::CreatePart(builder, builder.CreateString(part.mesh), builder.CreateString(part.material),
+                            part.vertices, part.triangles, builder.CreateVector(attributes),
+                            builder.CreateVector(part.draco), indices, part.palette_begin, part.palette_count,
+                            part.texture_set, &color, builder.CreateVector(rest), part.has_normals,
+                            part.has_uvs);
 }
 
 PartGeometry unpackGeometry(const PackedPart& part, uint32_t influences) {
   PartGeometry geometry;
-  if (const Status status = decodePacked(part, influences, geometry); !status.ok()) throw std::runtime_error(status.message);
+  if (const Status status = decodePacked(part, influences, geometry); !status.ok())
+    throw std::runtime_error(status.message);
   return geometry;
 }
 
@@ -203,18 +219,20 @@ uint32_t influencesOf(const PackedPart& part) {
   return 1;
 }
 
-flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data, uint32_t stride, size_t count,
-                                                format::Codec codec) {
+flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,
+                                                uint32_t stride, size_t count, format::Codec codec) {
   std::vector<uint8_t> bytes;
   if (count > 0 && codec == format::Codec::MeshoptVertex) {
     bytes.resize(meshopt_encodeVertexBufferBound(count, stride));
     bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), data, count, stride));
   } else if (count > 0) {
     const auto* words = static_cast<const uint32_t*>(data);
-    bytes.resize(meshopt_encodeIndexSequenceBound(count, *std::max_element(words, words + count) + size_t{1}));
+    bytes.resize(
+        meshopt_encodeIndexSequenceBound(count, *std::max_element(words, words + count) + size_t{1}));
     bytes.resize(meshopt_encodeIndexSequence(bytes.data(), bytes.size(), words, count));
   }
-  return format::CreateStream(builder, codec, stride, static_cast<uint32_t>(count), builder.CreateVector(bytes));
+  return format::CreateStream(builder, codec, stride, static_cast<uint32_t>(count),
+                              builder.CreateVector(bytes));
 }
 
 void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out) {
@@ -228,7 +246,8 @@ void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out) {
     remainders.push_back({static_cast<double>(out[i]) - share, i});
   }
   std::sort(remainders.begin(), remainders.end());
-  for (size_t i = 0; left > 0 && !remainders.empty(); i = (i + 1) % remainders.size(), --left) ++out[remainders[i].second];
+  for (size_t i = 0; left > 0 && !remainders.empty(); i = (i + 1) % remainders.size(), --left)
+    ++out[remainders[i].second];
 }
 
 }  // namespace furrow::pipeline

@@ -1,6 +1,7 @@
 #pragma once
 
-// Geometry of one part as the file holds it: integers, carried by Draco or by plain streams. Both decode to the same floats.
+// Geometry of one part as the file holds it: integers, carried by Draco or by plain streams. Both decode to
+// the same floats.
 
 #include <flatbuffers/flatbuffers.h>
 
@@ -31,8 +32,8 @@ struct PackedAttribute {
 struct PackedPart {
   uint32_t vertices = 0, triangles = 0;
   std::vector<PackedAttribute> attributes;
-  std::vector<uint8_t> draco;      // empty: raw
-  std::vector<uint32_t> indices;   // raw
+  std::vector<uint8_t> draco;     // empty: raw
+  std::vector<uint32_t> indices;  // raw
   // Of the part, to be filled by the cook.
   std::string mesh, material;
   uint32_t palette_begin = 0, palette_count = 1, texture_set = 0xffffffffu;
@@ -41,11 +42,11 @@ struct PackedPart {
   bool has_normals = false, has_uvs = false;
 };
 
-// Quantises a primitive: positions in steps of at most 1/64 of the short edges and at least 16 bits, normals and tangents (unit) to 10 bits,
-// UVs and weights to 16. With Draco the vertices get a new order and faces without area are dropped; a mesh that would lose vertices that
-// way is encoded in its own order.
-PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals, std::span<const glm::vec4> tangents,
-                        uint32_t palette_count, GeometryCodec codec);
+// Quantises a primitive: positions in steps of at most 1/64 of the short edges and at least 16 bits, normals
+// and tangents (unit) to 10 bits, UVs and weights to 16. With Draco the vertices get a new order and faces
+// without area are dropped; a mesh that would lose vertices that way is encoded in its own order.
+PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, GeometryCodec codec);
 
 flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& builder, const PackedPart& part);
 
@@ -54,10 +55,12 @@ PartGeometry unpackGeometry(const PackedPart& part, uint32_t influences);
 uint32_t influencesOf(const PackedPart& part);
 
 // A stream through meshoptimizer's codecs. `stride` is a multiple of 4.
-flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data, uint32_t stride, size_t count,
+flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,
+                                                uint32_t stride, size_t count,
                                                 format::Codec codec = format::Codec::MeshoptVertex);
 
-// Shares of the values' sum as unorm16 that sum to exactly 65535 (largest remainder); equal shares where the sum is 0.
+// Shares of the values' sum as unorm16 that sum to exactly 65535 (largest remainder); equal shares where the
+// sum is 0.
 void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out);
 
 }  // namespace furrow::pipeline

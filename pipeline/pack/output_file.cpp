@@ -25,7 +25,11 @@ bool writeAll(int descriptor, std::span<const std::byte> bytes) {
 }  // namespace
 
 void writeFile(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  const auto fail = [&] { throw Error(Exit::kEnvironment, file.string(), std::string("cannot be written (") + std::strerror(errno) + ")", "choose a folder that exists, may be written to and has room"); };
+  const auto fail = [&] {
+    throw Error(Exit::kEnvironment, file.string(),
+                std::string("cannot be written (") + std::strerror(errno) + ")",
+                "choose a folder that exists, may be written to and has room");
+  };
   if (std::filesystem::is_directory(file)) {
     errno = EISDIR;
     fail();

@@ -28,7 +28,8 @@ std::vector<T> numbers(const json& value) {
 template <typename Target>
 void fill(const json& value, Target& target) {  // a GLM type made of doubles
   const std::vector<double> source = numbers<double>(value);
-  if (source.size() * sizeof(double) != sizeof(Target)) throw std::runtime_error("the rig section is not sound");
+  if (source.size() * sizeof(double) != sizeof(Target))
+    throw std::runtime_error("the rig section is not sound");
   std::memcpy(static_cast<void*>(&target), source.data(), sizeof(Target));
 }
 
@@ -44,7 +45,10 @@ void require(bool sound) {
 }  // namespace
 
 std::vector<std::byte> writeRig(const Rig& rig) {
-  json out = {{"nodes", json::array()}, {"palette", json::array()}, {"morphs", json::array()}, {"clips", json::array()}};
+  json out = {{"nodes", json::array()},
+              {"palette", json::array()},
+              {"morphs", json::array()},
+              {"clips", json::array()}};
   for (const Node& n : rig.nodes) {
     json node = {{"name", n.name}, {"parent", n.parent}};
     if (n.has_matrix) {
@@ -56,9 +60,11 @@ std::vector<std::byte> writeRig(const Rig& rig) {
     }
     out["nodes"].push_back(std::move(node));
   }
-  for (const PaletteEntry& entry : rig.palette) out["palette"].push_back({{"node", entry.node}, {"ibm", doubles(entry.inverse_bind)}});
+  for (const PaletteEntry& entry : rig.palette)
+    out["palette"].push_back({{"node", entry.node}, {"ibm", doubles(entry.inverse_bind)}});
   for (const MorphTarget& m : rig.morphs)
-    out["morphs"].push_back({{"name", m.name}, {"node", m.node}, {"index", m.index}, {"weight", m.default_weight}});
+    out["morphs"].push_back(
+        {{"name", m.name}, {"node", m.node}, {"index", m.index}, {"weight", m.default_weight}});
   for (const Clip& c : rig.clips) {
     json channels = json::array();
     for (const Channel& channel : c.channels)
@@ -95,7 +101,8 @@ Rig readRig(std::span<const std::byte> section) try {
   for (const Node& node : rig.nodes) {
     require(node.parent == kNoIndex || node.parent < rig.nodes.size());
     size_t steps = 0;
-    for (uint32_t p = node.parent; p != kNoIndex; p = rig.nodes[p].parent) require(p < rig.nodes.size() && ++steps <= rig.nodes.size());
+    for (uint32_t p = node.parent; p != kNoIndex; p = rig.nodes[p].parent)
+      require(p < rig.nodes.size() && ++steps <= rig.nodes.size());
   }
   for (const json& p : in.at("palette")) {
     PaletteEntry& entry = rig.palette.emplace_back();
@@ -105,7 +112,8 @@ Rig readRig(std::span<const std::byte> section) try {
   }
   std::vector<size_t> targets(rig.nodes.size());
   for (const json& m : in.at("morphs")) {
-    rig.morphs.push_back({m.at("name").get<std::string>(), m.at("node").get<uint32_t>(), m.at("index").get<uint32_t>(), m.at("weight").get<double>()});
+    rig.morphs.push_back({m.at("name").get<std::string>(), m.at("node").get<uint32_t>(),
+                          m.at("index").get<uint32_t>(), m.at("weight").get<double>()});
     require(rig.morphs.back().node < rig.nodes.size());
     ++targets[rig.morphs.back().node];
   }
@@ -117,14 +125,18 @@ Rig readRig(std::span<const std::byte> section) try {
       Channel& channel = clip.channels.emplace_back();
       channel.node = ch.at("node").get<uint32_t>();
       const int path = ch.at("path").get<int>(), interpolation = ch.at("interpolation").get<int>();
-      require(channel.node < rig.nodes.size() && path >= 0 && path <= 3 && interpolation >= 0 && interpolation <= 2);
+      require(channel.node < rig.nodes.size() && path >= 0 && path <= 3 && interpolation >= 0 &&
+              interpolation <= 2);
       channel.path = static_cast<ChannelPath>(path);
       channel.interpolation = static_cast<Interpolation>(interpolation);
       channel.times = numbers<float>(ch.at("times"));
       channel.values = numbers<float>(ch.at("values"));
-      const size_t components = channel.path == ChannelPath::kWeights ? targets[channel.node] : channel.path == ChannelPath::kRotation ? 4 : 3;
+      const size_t components = channel.path == ChannelPath::kWeights    ? targets[channel.node]
+                                : channel.path == ChannelPath::kRotation ? 4
+                                                                         : 3;
       require(!channel.times.empty() &&
-              channel.values.size() == channel.times.size() * components * (channel.interpolation == Interpolation::kCubicSpline ? 3 : 1));
+              channel.values.size() == channel.times.size() * components *
+                                           (channel.interpolation == Interpolation::kCubicSpline ? 3 : 1));
     }
   }
   return rig;

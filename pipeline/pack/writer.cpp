@@ -46,27 +46,30 @@ class Writer {
     for (const PackedPart& part : in_.parts) parts.push_back(writePart(b_, part));
     std::vector<Offset<format::PaletteEntry>> palette;
     for (const PaletteEntry& entry : in_.scene.rig.palette)
-      palette.push_back(format::CreatePaletteEntry(b_, b_.CreateString(in_.scene.rig.nodes[entry.node].name), entry.node,
-                                                   b_.CreateVector(affine(entry.inverse_bind))));
+      palette.push_back(format::CreatePaletteEntry(b_, b_.CreateString(in_.scene.rig.nodes[entry.node].name),
+                                                   entry.node, b_.CreateVector(affine(entry.inverse_bind))));
     std::vector<Offset<format::Morph>> morphs = writeMorphs();
     std::vector<Offset<format::Layer>> layers;
     for (size_t l = 0; l < in_.layers.size(); ++l) layers.push_back(writeLayer(l));
     std::vector<Offset<format::TextureSet>> sets;
     for (const BakedTextureSet& set : in_.texture_sets)
-      sets.push_back(format::CreateTextureSet(b_, b_.CreateString(set.name), writeTexture(set.normals), writeTexture(set.shading),
-                                              writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice)));
+      sets.push_back(format::CreateTextureSet(
+          b_, b_.CreateString(set.name), writeTexture(set.normals), writeTexture(set.shading),
+          writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice)));
     const std::vector<uint16_t> ring_weights = padded(in_.rings.weights);
-    const auto vertex_point = writeStream(b_, in_.surface.vertex_point.data(), 4, in_.surface.vertex_point.size());
+    const auto vertex_point =
+        writeStream(b_, in_.surface.vertex_point.data(), 4, in_.surface.vertex_point.size());
     const auto ring_offsets = writeStream(b_, in_.rings.offsets.data(), 4, in_.rings.offsets.size());
-    const auto ring_triangles =
-        writeStream(b_, in_.rings.triangles.data(), 4, in_.rings.triangles.size(), format::Codec::MeshoptSequence);
+    const auto ring_triangles = writeStream(b_, in_.rings.triangles.data(), 4, in_.rings.triangles.size(),
+                                            format::Codec::MeshoptSequence);
     const auto weights = writeStream(b_, ring_weights.data(), 4, ring_weights.size() / 2);
     const auto place_points = writeStream(b_, in_.place_points.data(), 8, in_.place_points.size());
     const auto asset = format::CreateAsset(
-        b_, b_.CreateString(FURROW_VERSION), b_.CreateString(in_.scene.file.filename().string()), in_.influences,
-        static_cast<float>(in_.position_error), b_.CreateVector(parts), b_.CreateVector(palette), b_.CreateVector(morphs),
-        b_.CreateVector(layers), b_.CreateVector(sets), static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point,
-        ring_offsets, ring_triangles, weights, bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)));
+        b_, b_.CreateString(FURROW_VERSION), b_.CreateString(in_.scene.file.filename().string()),
+        in_.influences, static_cast<float>(in_.position_error), b_.CreateVector(parts),
+        b_.CreateVector(palette), b_.CreateVector(morphs), b_.CreateVector(layers), b_.CreateVector(sets),
+        static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, ring_offsets, ring_triangles,
+        weights, bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)));
     format::FinishAssetBuffer(b_, asset);
 
     AssetHeader header = {};
@@ -92,18 +95,21 @@ class Writer {
       const Part& part = in_.scene.parts[span.source_part];
       const Primitive& primitive = in_.scene.primitives[part.primitive];
       std::vector<uint32_t> asset_vertex(primitive.positions.size());
-      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v) asset_vertex[in_.source_vertex[v] - span.vertex_begin] = v;
+      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
+        asset_vertex[in_.source_vertex[v] - span.vertex_begin] = v;
       for (size_t m = 0; m < primitive.morphs.size(); ++m) {
         const MorphDelta& delta = primitive.morphs[m];
         for (size_t i = 0; i < delta.vertices.size(); ++i)
           by_morph[part.first_morph + m].push_back(
-              {asset_vertex[delta.vertices[i]], delta.positions[i], delta.normals.empty() ? glm::vec3(0.0f) : delta.normals[i]});
+              {asset_vertex[delta.vertices[i]], delta.positions[i],
+               delta.normals.empty() ? glm::vec3(0.0f) : delta.normals[i]});
       }
     }
     std::vector<Offset<format::Morph>> out;
     for (size_t m = 0; m < by_morph.size(); ++m) {
       std::vector<Delta>& deltas = by_morph[m];
-      std::sort(deltas.begin(), deltas.end(), [](const Delta& a, const Delta& b) { return a.vertex < b.vertex; });
+      std::sort(deltas.begin(), deltas.end(),
+                [](const Delta& a, const Delta& b) { return a.vertex < b.vertex; });
       float most = 0.0f, most_normal = 0.0f;
       for (const Delta& d : deltas)
         for (int c = 0; c < 3; ++c) {
@@ -117,15 +123,22 @@ class Writer {
       for (const Delta& d : deltas) {
         vertices.push_back(d.vertex);
         for (int c = 0; c < 4; ++c) {
-          positions.push_back(c < 3 && step > 0.0f ? static_cast<int16_t>(std::lround(std::clamp(d.position[c] / step, -32767.0f, 32767.0f))) : int16_t{0});
-          normals.push_back(c < 3 && normal_step > 0.0f ? static_cast<int8_t>(std::lround(std::clamp(d.normal[c] / normal_step, -127.0f, 127.0f))) : int8_t{0});
+          positions.push_back(c < 3 && step > 0.0f ? static_cast<int16_t>(std::lround(std::clamp(
+                                                         d.position[c] / step, -32767.0f, 32767.0f)))
+                                                   : int16_t{0});
+          normals.push_back(c < 3 && normal_step > 0.0f ? static_cast<int8_t>(std::lround(std::clamp(
+                                                              d.normal[c] / normal_step, -127.0f, 127.0f)))
+                                                        : int8_t{0});
         }
       }
-      const auto vertex_stream = writeStream(b_, vertices.data(), 4, vertices.size(), format::Codec::MeshoptSequence);
+      const auto vertex_stream =
+          writeStream(b_, vertices.data(), 4, vertices.size(), format::Codec::MeshoptSequence);
       const auto position_stream = writeStream(b_, positions.data(), 8, vertices.size());
-      const auto normal_stream = most_normal > 0.0f ? writeStream(b_, normals.data(), 4, vertices.size()) : Offset<format::Stream>();
+      const auto normal_stream =
+          most_normal > 0.0f ? writeStream(b_, normals.data(), 4, vertices.size()) : Offset<format::Stream>();
       const MorphTarget& target = in_.scene.rig.morphs[m];
-      out.push_back(format::CreateMorph(b_, b_.CreateString(target.name), static_cast<float>(target.default_weight), step, normal_step,
+      out.push_back(format::CreateMorph(b_, b_.CreateString(target.name),
+                                        static_cast<float>(target.default_weight), step, normal_step,
                                         vertex_stream, position_stream, normal_stream));
     }
     return out;
@@ -142,15 +155,19 @@ class Writer {
       const uint32_t p = in_.surface.vertex_point[v];
       mask[v] = static_cast<uint8_t>(std::lround(std::clamp(layer.field.strength[p], 0.0f, 1.0f) * 255.0f));
       full &= mask[v] == 255;
-      if (!bias.empty()) bias[v] = static_cast<int16_t>(std::lround(std::clamp(layer.bias[p], -1.0f, 1.0f) * 32767.0f));
+      if (!bias.empty())
+        bias[v] = static_cast<int16_t>(std::lround(std::clamp(layer.bias[p], -1.0f, 1.0f) * 32767.0f));
     }
     std::vector<int8_t> directions;
     if (recipe.measure != Measure::kNone)
       for (size_t p = 0; p < layer.field.direction.size(); ++p) {
-        for (int c = 0; c < 3; ++c) directions.push_back(static_cast<int8_t>(std::lround(layer.field.direction[p][c] * 127.0f)));
-        directions.push_back(static_cast<int8_t>(std::lround(std::clamp(layer.field.confidence[p], 0.0f, 1.0f) * 127.0f)));
+        for (int c = 0; c < 3; ++c)
+          directions.push_back(static_cast<int8_t>(std::lround(layer.field.direction[p][c] * 127.0f)));
+        directions.push_back(
+            static_cast<int8_t>(std::lround(std::clamp(layer.field.confidence[p], 0.0f, 1.0f) * 127.0f)));
       }
-    const auto coefficients = streamOf(layer.coefficients, 4 * std::max(1u, coefficientCount(recipe.measure)));
+    const auto coefficients =
+        streamOf(layer.coefficients, 4 * std::max(1u, coefficientCount(recipe.measure)));
     const auto bias_stream = streamOf(padded(bias), 4);
     const auto mask_stream = full ? Offset<format::Stream>() : streamOf(padded(mask), 4);
     const auto direction_stream = streamOf(directions, 4);
@@ -158,23 +175,27 @@ class Writer {
     for (const DriverRecipe& driver : recipe.drivers)
       for (size_t m = 0; m < in_.scene.rig.morphs.size(); ++m)
         if (in_.scene.rig.morphs[m].name == driver.morph) {
-          drivers.push_back(format::CreateDriver(b_, static_cast<uint32_t>(m), static_cast<float>(driver.gain)));
+          drivers.push_back(
+              format::CreateDriver(b_, static_cast<uint32_t>(m), static_cast<float>(driver.gain)));
           break;  // one mesh's target drives; its namesakes on other meshes move with it
         }
-    return format::CreateLayer(b_, b_.CreateString(recipe.name), static_cast<uint8_t>(recipe.measure), static_cast<uint8_t>(recipe.response.curve),
-                               recipe.response.lambda, recipe.response.beta, recipe.response.stretch_lambda, recipe.response.stretch_beta,
-                               coefficients, bias_stream, mask_stream, direction_stream, static_cast<uint32_t>(index), b_.CreateVector(drivers));
+    return format::CreateLayer(b_, b_.CreateString(recipe.name), static_cast<uint8_t>(recipe.measure),
+                               static_cast<uint8_t>(recipe.response.curve), recipe.response.lambda,
+                               recipe.response.beta, recipe.response.stretch_lambda,
+                               recipe.response.stretch_beta, coefficients, bias_stream, mask_stream,
+                               direction_stream, static_cast<uint32_t>(index), b_.CreateVector(drivers));
   }
 
   template <typename T>
   Offset<format::Stream> streamOf(const std::vector<T>& values, uint32_t stride) {
-    return values.empty() ? Offset<format::Stream>() : writeStream(b_, values.data(), stride, values.size() * sizeof(T) / stride);
+    return values.empty() ? Offset<format::Stream>()
+                          : writeStream(b_, values.data(), stride, values.size() * sizeof(T) / stride);
   }
 
   Offset<format::Texture> writeTexture(const EncodedTexture& texture) {
     if (texture.slices == 0) return {};
-    return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height, texture.slices, texture.levels,
-                                 bytesVector(b_, texture.data));
+    return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height,
+                                 texture.slices, texture.levels, bytesVector(b_, texture.data));
   }
 
   const PackInput& in_;
@@ -183,6 +204,8 @@ class Writer {
 
 }  // namespace
 
-std::vector<std::byte> writeAsset(const PackInput& input) { return Writer(input).write(); }
+std::vector<std::byte> writeAsset(const PackInput& input) {
+  return Writer(input).write();
+}
 
 }  // namespace furrow::pipeline

@@ -1,6 +1,7 @@
 #pragma once
 
-// Poses of a rig, as the glTF 2.0 specification says (3.5 nodes, 3.7.3 skins, 3.11 animations, appendix C interpolation), in double.
+// Poses of a rig, as the glTF 2.0 specification says (3.5 nodes, 3.7.3 skins, 3.11 animations, appendix C
+// interpolation), in double.
 
 #include <glm/vec3.hpp>
 
@@ -17,8 +18,8 @@ void applyClip(const Rig& rig, const Clip& clip, double time, Pose& pose);
 // World matrices of the nodes and from them the palette.
 PosedRig evaluate(const Rig& rig, const Pose& pose);
 
-// Root-space position of every vertex of `part` under the pose: morphs first, then the skin (weights as they stand in the primitive) or the node.
-// The reference that the runtime's deform job is held against.
+// Root-space position of every vertex of `part` under the pose: morphs first, then the skin (weights as they
+// stand in the primitive) or the node. The reference that the runtime's deform job is held against.
 std::vector<glm::dvec3> posePart(const SourceScene& scene, const Part& part, const PosedRig& pose);
 
 }  // namespace furrow::pipeline

@@ -11,7 +11,9 @@
 namespace furrow::pipeline {
 namespace {
 
-double uniformScale(const glm::dmat4& m) { return std::cbrt(std::abs(glm::determinant(glm::dmat3(m)))); }
+double uniformScale(const glm::dmat4& m) {
+  return std::cbrt(std::abs(glm::determinant(glm::dmat3(m))));
+}
 
 size_t depth(const Rig& rig, uint32_t node) {
   size_t steps = 0;
@@ -47,7 +49,8 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part
     if (!clip) {
       std::vector<std::string> names;
       for (const Clip& each : scene.rig.clips) names.push_back(each.name);
-      throw Error(Exit::kBadData, scene.file.string(), "it has no clip \"" + at->clip + "\"", "it has: " + joinNames(names));
+      throw Error(Exit::kBadData, scene.file.string(), "it has no clip \"" + at->clip + "\"",
+                  "it has: " + joinNames(names));
     }
     Pose pose = defaultPose(scene.rig);
     applyClip(scene.rig, *clip, at->time, pose);
@@ -58,11 +61,13 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part
     for (const auto& [name, weight] : morphs->weights) {
       const auto has_name = [&name = name](const MorphTarget& target) { return target.name == name; };
       if (std::none_of(scene.rig.morphs.begin(), scene.rig.morphs.end(), has_name))
-        throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"", "correct \"rest\" in the recipe");
+        throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
+                    "correct \"rest\" in the recipe");
       for (size_t m = 0; m < primitive.morphs.size(); ++m) {
         if (scene.rig.morphs[part.first_morph + m].name != name) continue;
         const MorphDelta& delta = primitive.morphs[m];
-        for (size_t i = 0; i < delta.vertices.size(); ++i) positions[delta.vertices[i]] += weight * glm::dvec3(delta.positions[i]);
+        for (size_t i = 0; i < delta.vertices.size(); ++i)
+          positions[delta.vertices[i]] += weight * glm::dvec3(delta.positions[i]);
       }
     }
   }
@@ -76,7 +81,9 @@ const Clip* findClip(const Rig& rig, const std::string& name) {
     if (clip.name == name) return &clip;
   size_t number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  return error == std::errc() && end == name.data() + name.size() && number < rig.clips.size() ? &rig.clips[number] : nullptr;
+  return error == std::errc() && end == name.data() + name.size() && number < rig.clips.size()
+             ? &rig.clips[number]
+             : nullptr;
 }
 
 std::string joinNames(const std::vector<std::string>& names, size_t most) {

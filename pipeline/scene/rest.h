@@ -10,12 +10,14 @@
 
 namespace furrow::pipeline {
 
-// Part space -> root space in the bind pose. A mesh without skin: its node's world matrix. A skin: what its topmost joint makes of the
-// mesh under the file's own node transforms, its uniform scale replaced by the median over the joints; so a unit factor that the file
-// hides in its inverse bind matrices is counted once, and nodes above the skeleton change nothing.
+// Part space -> root space in the bind pose. A mesh without skin: its node's world matrix. A skin: what its
+// topmost joint makes of the mesh under the file's own node transforms, its uniform scale replaced by the
+// median over the joints; so a unit factor that the file hides in its inverse bind matrices is counted once,
+// and nodes above the skeleton change nothing.
 glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part);
 
-// Root-space rest positions of a part's vertices. Throws Error (kBadData) where the recipe names a clip or morph the file lacks.
+// Root-space rest positions of a part's vertices. Throws Error (kBadData) where the recipe names a clip or
+// morph the file lacks.
 std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part, const Rest& rest);
 
 // By name, or by number if no clip has that name; null if there is none.

@@ -1,7 +1,7 @@
 #pragma once
 
-// What moves a surface: nodes, skins, morph targets and clips, and the pose they come to. Made by the importers, stored in the asset for the
-// tools, and posed by posing.h.
+// What moves a surface: nodes, skins, morph targets and clips, and the pose they come to. Made by the
+// importers, stored in the asset for the tools, and posed by posing.h.
 
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
@@ -25,8 +25,8 @@ struct Node {
   glm::dvec3 scale{1.0};
 };
 
-// palette[i] = world(node) * inverse_bind. An entry for every (node, inverse bind matrix) that a skin uses, and one (identity) for every
-// node whose mesh has no skin.
+// palette[i] = world(node) * inverse_bind. An entry for every (node, inverse bind matrix) that a skin uses,
+// and one (identity) for every node whose mesh has no skin.
 struct PaletteEntry {
   uint32_t node = 0;
   glm::dmat4 inverse_bind{1.0};
@@ -48,8 +48,8 @@ struct Channel {
   ChannelPath path = ChannelPath::kTranslation;
   Interpolation interpolation = Interpolation::kLinear;
   std::vector<float> times;   // seconds, strictly increasing, at least one
-  std::vector<float> values;  // components a key (3, 4 as x y z w, or the node's morph targets); three times as many for kCubicSpline:
-                              // in-tangent, value, out-tangent
+  std::vector<float> values;  // components a key (3, 4 as x y z w, or the node's morph targets); three times
+                              // as many for kCubicSpline: in-tangent, value, out-tangent
 };
 
 struct Clip {

@@ -1,7 +1,8 @@
 #pragma once
 
-// A scene as read from a file, whatever its format: geometry in source order, rig, materials. Plain data; the importers guarantee that
-// every index is in range, that every number is finite, and that every array of a primitive has one entry a vertex or is empty.
+// A scene as read from a file, whatever its format: geometry in source order, rig, materials. Plain data; the
+// importers guarantee that every index is in range, that every number is finite, and that every array of a
+// primitive has one entry a vertex or is empty.
 
 #include <cstdint>
 #include <filesystem>
@@ -36,7 +37,7 @@ struct Primitive {
   std::vector<glm::vec4> tangents;
   std::vector<glm::vec2> uvs;  // TEXCOORD_0
   std::vector<Attribute> attributes;
-  uint32_t influences = 0;      // joints a vertex: 0 without skin, else a multiple of 4
+  uint32_t influences = 0;       // joints a vertex: 0 without skin, else a multiple of 4
   std::vector<uint16_t> joints;  // influences a vertex, index into the skin's joints
   std::vector<float> weights;    // influences a vertex, >= 0, adding up to 1
   std::vector<uint32_t> indices;
@@ -45,14 +46,14 @@ struct Primitive {
 
 // A primitive as one node shows it.
 struct Part {
-  std::string mesh;      // name of the mesh, or of its node; may be empty
+  std::string mesh;  // name of the mesh, or of its node; may be empty
   uint32_t primitive = 0;
   uint32_t material = kNoIndex;
   uint32_t node = 0;
   bool skinned = false;
   uint32_t palette_begin = 0;  // skinned: joint j is palette[palette_begin + j]; else the node's entry
   uint32_t palette_count = 1;
-  uint32_t first_morph = 0;    // the primitive's morph i is rig.morphs[first_morph + i]
+  uint32_t first_morph = 0;  // the primitive's morph i is rig.morphs[first_morph + i]
 };
 
 struct Material {
@@ -66,7 +67,7 @@ struct SourceScene {
   std::vector<Part> parts;  // by mesh in file order, then primitive, then node: this is source vertex order
   std::vector<Material> materials;
   Rig rig;
-  std::vector<std::string> warnings;             // one line each, without the file's name
+  std::vector<std::string> warnings;                // one line each, without the file's name
   std::vector<std::filesystem::path> dependencies;  // every file read, `file` first
 };
 

@@ -19,8 +19,8 @@ namespace furrow {
 struct Asset::Storage {
   std::vector<std::byte> payload;
   PartGeometry geometry;  // of all parts, indices and joints absolute
-  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, ring_offsets, ring_triangles, morph_entries,
-      place_points;
+  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, ring_offsets, ring_triangles,
+      morph_entries, place_points;
   std::vector<uint16_t> ring_weights;
   std::vector<Part> parts;
   std::vector<PaletteEntry> palette;
@@ -190,9 +190,11 @@ class Loader {
         return bad("a ring's weights do not sum to one");
     }
     const size_t places = streamCount(a_.place_points());
-    if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok()) return status;
+    if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok())
+      return status;
     for (size_t i = 0; i < places; ++i)
-      if (s_.place_points[2 * i] > points() || s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i]) return bad("a place's points are out of range");
+      if (s_.place_points[2 * i] > points() || s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i])
+        return bad("a place's points are out of range");
     return {};
   }
 

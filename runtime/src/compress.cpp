@@ -42,7 +42,8 @@ void measureTriangles(const CompressJob& job, uint32_t begin, uint32_t end, Meas
   constexpr uint32_t kBlock = 128;
   const Float3* positions = job.positions.data();
   const uint32_t* corners = job.asset->surface_indices.data() + size_t{3} * begin;
-  const float* coefficients = job.asset->layers[job.layer].coefficients.data() + size_t{kCoefficients} * begin;
+  const float* coefficients =
+      job.asset->layers[job.layer].coefficients.data() + size_t{kCoefficients} * begin;
   const float inverse_scale2 = 1.0f / (job.scale * job.scale);
   float edges[6][kBlock];
   for (uint32_t first = begin; first < end; first += kBlock) {
@@ -61,7 +62,8 @@ void measureTriangles(const CompressJob& job, uint32_t begin, uint32_t end, Meas
     float* q = job.q.data() + first;
     for (uint32_t i = 0; i < count; ++i) {
       const float* c = coefficients + size_t{kCoefficients} * i;
-      const float value = clampQ(measure(Float3{edges[0][i], edges[1][i], edges[2][i]}, Float3{edges[3][i], edges[4][i], edges[5][i]}, c, inverse_scale2));
+      const float value = clampQ(measure(Float3{edges[0][i], edges[1][i], edges[2][i]},
+                                         Float3{edges[3][i], edges[4][i], edges[5][i]}, c, inverse_scale2));
       float used = 0.0f;
       for (uint32_t k = 0; k < kCoefficients; ++k) used += std::abs(c[k]);
       q[i] = used == 0.0f ? -1.0f : value;

@@ -38,22 +38,28 @@ Float3 normalized(Float3 v) {
 // Of the linear part: -1 where it mirrors.
 float handedness(const Affine& a) {
   const float* m = a.m;
-  const float determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) + m[1] * (m[6] * m[8] - m[4] * m[10]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+  const float determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) + m[1] * (m[6] * m[8] - m[4] * m[10]) +
+                            m[2] * (m[4] * m[9] - m[5] * m[8]);
   return determinant < 0.0f ? -1.0f : 1.0f;
 }
 
-// By the cofactor matrix, which is right for unevenly scaled joints too, and outwards still where they mirror.
+// By the cofactor matrix, which is right for unevenly scaled joints too, and outwards still where they
+// mirror.
 Float3 transformNormal(const Affine& a, Float3 n, float hand) {
   const float* m = a.m;
-  const Float3 v = {(m[5] * m[10] - m[6] * m[9]) * n.x + (m[6] * m[8] - m[4] * m[10]) * n.y + (m[4] * m[9] - m[5] * m[8]) * n.z,
-                    (m[2] * m[9] - m[1] * m[10]) * n.x + (m[0] * m[10] - m[2] * m[8]) * n.y + (m[1] * m[8] - m[0] * m[9]) * n.z,
-                    (m[1] * m[6] - m[2] * m[5]) * n.x + (m[2] * m[4] - m[0] * m[6]) * n.y + (m[0] * m[5] - m[1] * m[4]) * n.z};
+  const Float3 v = {(m[5] * m[10] - m[6] * m[9]) * n.x + (m[6] * m[8] - m[4] * m[10]) * n.y +
+                        (m[4] * m[9] - m[5] * m[8]) * n.z,
+                    (m[2] * m[9] - m[1] * m[10]) * n.x + (m[0] * m[10] - m[2] * m[8]) * n.y +
+                        (m[1] * m[8] - m[0] * m[9]) * n.z,
+                    (m[1] * m[6] - m[2] * m[5]) * n.x + (m[2] * m[4] - m[0] * m[6]) * n.y +
+                        (m[0] * m[5] - m[1] * m[4]) * n.z};
   return normalized({hand * v.x, hand * v.y, hand * v.z});
 }
 
 Float4 transformTangent(const Affine& a, Float4 t, Float3 n, float hand) {
   const float* m = a.m;
-  const Float3 v = {m[0] * t.x + m[1] * t.y + m[2] * t.z, m[4] * t.x + m[5] * t.y + m[6] * t.z, m[8] * t.x + m[9] * t.y + m[10] * t.z};
+  const Float3 v = {m[0] * t.x + m[1] * t.y + m[2] * t.z, m[4] * t.x + m[5] * t.y + m[6] * t.z,
+                    m[8] * t.x + m[9] * t.y + m[10] * t.z};
   const float along = v.x * n.x + v.y * n.y + v.z * n.z;
   const Float3 unit = normalized({v.x - along * n.x, v.y - along * n.y, v.z - along * n.z});
   return {unit.x, unit.y, unit.z, hand * t.w};

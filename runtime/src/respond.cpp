@@ -66,8 +66,10 @@ void respondVertices(const RespondJob& job, uint32_t begin, uint32_t end, Weight
   for (uint32_t first = begin; first < end; first += kBlock) {
     const uint32_t count = std::min(kBlock, end - first);
     for (uint32_t i = 0; i < count; ++i) q[i] = job.q[vertex_point[first + i]];
-    for (uint32_t i = 0; !bias.empty() && i < count; ++i) offset[i] = static_cast<float>(bias[first + i]) * (1.0f / 32767.0f);
-    for (uint32_t i = 0; i < count; ++i) weights[i] = toSnorm16(clampUnit((weight(std::max(q[i], kMinQ)) + offset[i]) + job.region));
+    for (uint32_t i = 0; !bias.empty() && i < count; ++i)
+      offset[i] = static_cast<float>(bias[first + i]) * (1.0f / 32767.0f);
+    for (uint32_t i = 0; i < count; ++i)
+      weights[i] = toSnorm16(clampUnit((weight(std::max(q[i], kMinQ)) + offset[i]) + job.region));
     int16_t* out = job.weights.data() + first * stride + job.layer;
     for (uint32_t i = 0; i < count; ++i) out[i * stride] = weights[i];
   }

@@ -10,7 +10,9 @@
 #include "pipeline/error.h"
 
 // OpenImageIO 2.4 jumps out of its PNG reader past a string of its own: 31 bytes for every cut file.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOpenImageIO"; }
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libOpenImageIO";
+}
 
 namespace furrow::pipeline {
 namespace {

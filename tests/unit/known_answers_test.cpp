@@ -34,18 +34,25 @@ TEST_P(Squeezed, AlongTheDirectionAlphaIsOneOverSSquared) {
   const Frame frame = evaluate(restingSheet().view(), {0.0f}, scaled(s, 1.0));
   const double expected = 1.0 / (s * s);
   for (double alpha : frame.alpha) EXPECT_NEAR(alpha / expected, 1.0, 1e-5);
-  for (double w : frame.weight) EXPECT_NEAR(w, std::tanh(2.0 * std::log(expected)), 1e-4);  // lambda 1, beta 4: tanh(beta/2 ln alpha)
+  for (double w : frame.weight)
+    EXPECT_NEAR(w, std::tanh(2.0 * std::log(expected)), 1e-4);  // lambda 1, beta 4: tanh(beta/2 ln alpha)
 }
 
 TEST_P(Squeezed, AcrossTheDirectionAlphaIsOne) {
-  for (double alpha : evaluate(restingSheet().view(), {0.0f}, scaled(1.0, GetParam())).alpha) EXPECT_NEAR(alpha, 1.0, 1e-5);
+  for (double alpha : evaluate(restingSheet().view(), {0.0f}, scaled(1.0, GetParam())).alpha)
+    EXPECT_NEAR(alpha, 1.0, 1e-5);
 }
 
 TEST_P(Squeezed, AMorphTargetGivesTheSameToItsQuantisation) {
   const double s = GetParam();
-  const Asset asset = cookAsset(sceneOf(sheet(8), [s](glm::dvec3 p) { return glm::dvec3(s * p.x, p.y, p.z); }), recipeOf({axisLayer({1, 0, 0})}));
-  const double step = std::abs(1.0 - s) / 32767.0;  // of a posed edge of length s / 8, twice: both ends, and alpha goes with its square
-  for (double alpha : evaluate(asset.view(), {1.0f}).alpha) EXPECT_NEAR(alpha * s * s, 1.0, 1e-5 + 2.0 * 8.0 * step / s);
+  const Asset asset =
+      cookAsset(sceneOf(sheet(8), [s](glm::dvec3 p) { return glm::dvec3(s * p.x, p.y, p.z); }),
+                recipeOf({axisLayer({1, 0, 0})}));
+  const double step =
+      std::abs(1.0 - s) /
+      32767.0;  // of a posed edge of length s / 8, twice: both ends, and alpha goes with its square
+  for (double alpha : evaluate(asset.view(), {1.0f}).alpha)
+    EXPECT_NEAR(alpha * s * s, 1.0, 1e-5 + 2.0 * 8.0 * step / s);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ratios, Squeezed, testing::Values(0.125, 0.25, 0.5, 0.7, 0.9, 1.0, 1.43, 2.0));
@@ -53,7 +60,9 @@ INSTANTIATE_TEST_SUITE_P(Ratios, Squeezed, testing::Values(0.125, 0.25, 0.5, 0.7
 TEST(KnownAnswers, ShearFollowsFd) {
   const double k = 0.6, angle = 0.4;
   const glm::dvec3 d(std::cos(angle), std::sin(angle), 0.0);
-  const Asset asset = cookAsset(sceneOf(sheet(8), [k](glm::dvec3 p) { return glm::dvec3(p.x + k * p.y, p.y, p.z); }), recipeOf({axisLayer({d.x, d.y, 0})}));
+  const Asset asset =
+      cookAsset(sceneOf(sheet(8), [k](glm::dvec3 p) { return glm::dvec3(p.x + k * p.y, p.y, p.z); }),
+                recipeOf({axisLayer({d.x, d.y, 0})}));
   const double q = (d.x + k * d.y) * (d.x + k * d.y) + d.y * d.y;
   for (double alpha : evaluate(asset.view(), {1.0f}).alpha) EXPECT_NEAR(alpha, 1.0 / q, 3e-4);
 }
@@ -62,7 +71,9 @@ TEST(KnownAnswers, AreaMeasureIsOatsWeight) {
   pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
   layer.measure = Measure::kArea;
   layer.response.curve = Curve::kOat;
-  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3 p) { return glm::dvec3(0.8 * p.x, 0.5 * p.y, p.z); }), recipeOf({layer}));
+  const Asset asset =
+      cookAsset(sceneOf(sheet(4), [](glm::dvec3 p) { return glm::dvec3(0.8 * p.x, 0.5 * p.y, p.z); }),
+                recipeOf({layer}));
   const Frame frame = evaluate(asset.view(), {1.0f});
   for (double alpha : frame.alpha) EXPECT_NEAR(alpha, 2.5, 1e-3);
   for (double w : frame.weight) EXPECT_NEAR(w, 0.6, 1e-3);  // (A0 - A) / A0
@@ -76,7 +87,9 @@ TEST(KnownAnswers, DirectionalSeesWhatAreaDoesNot) {
   pipeline::LayerRecipe directional = axisLayer({1, 0, 0});
   area.name = "area";
   principal.name = "principal";
-  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y / 0.7, p.z); }), recipeOf({directional, area, principal}));
+  const Asset asset =
+      cookAsset(sceneOf(sheet(4), [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y / 0.7, p.z); }),
+                recipeOf({directional, area, principal}));
   const Frame frame = evaluate(asset.view(), {1.0f});
   for (float q : frame.q[0]) EXPECT_NEAR(q, 0.49, 1e-3);
   for (float q : frame.q[1]) EXPECT_NEAR(q, 1.0, 1e-3);
@@ -86,7 +99,8 @@ TEST(KnownAnswers, DirectionalSeesWhatAreaDoesNot) {
 TEST(KnownAnswers, RigidMotionAndInstanceScaleLeaveBiasAndRegion) {
   Primitive primitive = sheet(8);
   pipeline::Attribute color{"COLOR_0", 4, {}};
-  for (size_t v = 0; v < primitive.positions.size(); ++v) color.values.insert(color.values.end(), {0.6f, 0.0f, 0.0f, 1.0f});
+  for (size_t v = 0; v < primitive.positions.size(); ++v)
+    color.values.insert(color.values.end(), {0.6f, 0.0f, 0.0f, 1.0f});
   primitive.attributes.push_back(color);
   pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
   layer.bias = pipeline::Bias{"COLOR_0", 0, 0.5};
@@ -99,7 +113,8 @@ TEST(KnownAnswers, RigidMotionAndInstanceScaleLeaveBiasAndRegion) {
       const float m[12] = {scale * c, -scale * s, 0, 5, scale * s, scale * c, 0, -2, 0, 0, scale, 1};
       std::copy(std::begin(m), std::end(m), pose.m);
       const Frame frame = evaluate(asset.view(), {0.0f}, pose, scale, 0.25f);
-      const double bound = 8.0 * kUnit * (8.0 * scale) / (scale * 0.088);  // largest coordinate over smallest altitude
+      const double bound =
+          8.0 * kUnit * (8.0 * scale) / (scale * 0.088);  // largest coordinate over smallest altitude
       for (double alpha : frame.alpha) EXPECT_NEAR(alpha, 1.0, bound);
       for (double w : frame.weight) EXPECT_NEAR(w, 0.2 + 0.25, 2.5 * bound + 1e-4);  // I(1) = 0 at lambda 1
     }
@@ -115,8 +130,10 @@ TEST(KnownAnswers, SplittingATriangleOfAFanChangesNothing) {
   split.indices = {0, 1, 5, 0, 5, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1};
   // Each quadrant is squeezed differently, linearly inside, so that both halves of the split one have its F.
   const auto deform = [](glm::dvec3 p) { return glm::dvec3((p.x > 0.0 ? 0.6 : 0.9) * p.x, p.y, p.z); };
-  const double whole = evaluate(cookAsset(sceneOf(fan, deform), recipeOf({axisLayer({1, 0, 0})})).view(), {1.0f}).alpha[0];
-  const double halves = evaluate(cookAsset(sceneOf(split, deform), recipeOf({axisLayer({1, 0, 0})})).view(), {1.0f}).alpha[0];
+  const double whole =
+      evaluate(cookAsset(sceneOf(fan, deform), recipeOf({axisLayer({1, 0, 0})})).view(), {1.0f}).alpha[0];
+  const double halves =
+      evaluate(cookAsset(sceneOf(split, deform), recipeOf({axisLayer({1, 0, 0})})).view(), {1.0f}).alpha[0];
   EXPECT_NEAR(whole, 1.0 / (0.5 * 0.36 + 0.5 * 0.81), 1e-3);
   EXPECT_NEAR(whole, halves, 1e-4);
 }
@@ -128,7 +145,8 @@ Primitive cylinder(bool cut) {
   for (uint32_t y = 0; y <= kUp; ++y)
     for (uint32_t x = 0; x < columns; ++x) {
       const double angle = 2.0 * std::numbers::pi * (x % kAround) / kAround;
-      p.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(y) * 0.2f, static_cast<float>(std::sin(angle))});
+      p.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(y) * 0.2f,
+                             static_cast<float>(std::sin(angle))});
       p.uvs.push_back({static_cast<float>(x) / kAround, static_cast<float>(y) / kUp});
     }
   for (uint32_t y = 0; y < kUp; ++y)
@@ -142,8 +160,10 @@ Primitive cylinder(bool cut) {
 
 TEST(KnownAnswers, BothSidesOfASeamAreBitIdenticalAndEqualTheUncutCylinder) {
   const auto bend = [](glm::dvec3 p) { return glm::dvec3(p.x, p.y * (0.7 + 0.2 * p.x), p.z); };
-  const Asset cut = cookAsset(sceneOf(cylinder(true), bend), recipeOf({axisLayer({0, 1, 0})}), pipeline::GeometryCodec::kRaw);
-  const Asset whole = cookAsset(sceneOf(cylinder(false), bend), recipeOf({axisLayer({0, 1, 0})}), pipeline::GeometryCodec::kRaw);
+  const Asset cut = cookAsset(sceneOf(cylinder(true), bend), recipeOf({axisLayer({0, 1, 0})}),
+                              pipeline::GeometryCodec::kRaw);
+  const Asset whole = cookAsset(sceneOf(cylinder(false), bend), recipeOf({axisLayer({0, 1, 0})}),
+                                pipeline::GeometryCodec::kRaw);
   EXPECT_EQ(cut.view().pointCount(), whole.view().pointCount());
   const Frame a = evaluate(cut.view(), {1.0f}), b = evaluate(whole.view(), {1.0f});
   for (uint32_t y = 0; y <= 10; ++y) {
@@ -160,16 +180,23 @@ TEST(KnownAnswers, VerticesThatTouchButMoveApartAreTwoPoints) {
   uint32_t vertex = 0;
   const auto open = [&vertex](glm::dvec3 p) { return vertex++ < 3 ? p : p - glm::dvec3(0, 0.3, 0); };
   EXPECT_EQ(cookAsset(sceneOf(lips, open), recipeOf({axisLayer({1, 0, 0})})).view().pointCount(), 6u);
-  EXPECT_EQ(cookAsset(sceneOf(lips, [](glm::dvec3 p) { return 0.5 * p; }), recipeOf({axisLayer({1, 0, 0})})).view().pointCount(), 4u);
+  EXPECT_EQ(cookAsset(sceneOf(lips, [](glm::dvec3 p) { return 0.5 * p; }), recipeOf({axisLayer({1, 0, 0})}))
+                .view()
+                .pointCount(),
+            4u);
 }
 
 TEST(KnownAnswers, NothingDependsOnHowTheRangesAreSplit) {
-  const Asset asset = cookAsset(sceneOf(sheet(13), [](glm::dvec3 p) { return glm::dvec3(p.x * p.x, p.y, 0.2 * p.x); }), recipeOf({axisLayer({1, 0, 0})}));
-  EXPECT_EQ(evaluate(asset.view(), {1.0f}).weights, evaluate(asset.view(), {1.0f}, {}, 1.0f, 0.0f, 7).weights);
+  const Asset asset =
+      cookAsset(sceneOf(sheet(13), [](glm::dvec3 p) { return glm::dvec3(p.x * p.x, p.y, 0.2 * p.x); }),
+                recipeOf({axisLayer({1, 0, 0})}));
+  EXPECT_EQ(evaluate(asset.view(), {1.0f}).weights,
+            evaluate(asset.view(), {1.0f}, {}, 1.0f, 0.0f, 7).weights);
 }
 
 TEST(KnownAnswers, CollapsedAndNonFiniteInputGivesFiniteWeights) {
-  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3) { return glm::dvec3(0.0); }), recipeOf({axisLayer({1, 0, 0})}));
+  const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3) { return glm::dvec3(0.0); }),
+                                recipeOf({axisLayer({1, 0, 0})}));
   for (double w : evaluate(asset.view(), {1.0f}).weight) EXPECT_NEAR(w, 1.0, 1e-3);
   Affine broken;
   broken.m[0] = std::numeric_limits<float>::quiet_NaN();
@@ -179,7 +206,8 @@ TEST(KnownAnswers, CollapsedAndNonFiniteInputGivesFiniteWeights) {
 }
 
 TEST(KnownAnswers, AMirroredPoseKeepsNormalsOutwardsAndBitangentsInPlace) {
-  const Asset asset = cookAsset(sceneOf(cylinder(true), [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
+  const Asset asset =
+      cookAsset(sceneOf(cylinder(true), [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
   const AssetView& view = asset.view();
   Affine mirror;
   mirror.m[0] = -1.0f;
@@ -198,12 +226,14 @@ TEST(KnownAnswers, AMirroredPoseKeepsNormalsOutwardsAndBitangentsInPlace) {
 
 TEST(KnownAnswers, TheHashBindsEverySourcePositionToItsPoint) {
   const Primitive primitive = cylinder(true);
-  const Asset asset = cookAsset(sceneOf(primitive, [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
+  const Asset asset =
+      cookAsset(sceneOf(primitive, [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({0, 1, 0})}));
   const AssetView& view = asset.view();
   PlaceHash hash;
   ASSERT_TRUE(hash.open(view.place_hash).ok());
   std::vector<uint32_t> point_of_source(view.vertexCount());
-  for (uint32_t v = 0; v < view.vertexCount(); ++v) point_of_source[view.source_vertex[v]] = view.vertex_point[v];
+  for (uint32_t v = 0; v < view.vertexCount(); ++v)
+    point_of_source[view.source_vertex[v]] = view.vertex_point[v];
   for (uint32_t v = 0; v < primitive.positions.size(); ++v) {
     const glm::vec3 p = primitive.positions[v];
     const auto place = hash.find({p.x, p.y, p.z});
@@ -215,10 +245,13 @@ TEST(KnownAnswers, TheHashBindsEverySourcePositionToItsPoint) {
 }
 
 TEST(Asset, RefusesEveryTruncationAndEveryChangedByte) {
-  const std::vector<std::byte> bytes = pipeline::cook(sceneOf(sheet(3), [](glm::dvec3 p) { return p * 0.9; }), recipeOf({axisLayer({1, 0, 0})}), {}).bytes;
+  const std::vector<std::byte> bytes = pipeline::cook(sceneOf(sheet(3), [](glm::dvec3 p) { return p * 0.9; }),
+                                                      recipeOf({axisLayer({1, 0, 0})}), {})
+                                           .bytes;
   Asset asset;
   ASSERT_TRUE(asset.load(bytes).ok());
-  for (size_t length = 0; length < bytes.size(); ++length) ASSERT_FALSE(asset.load({bytes.data(), length}).ok()) << length;
+  for (size_t length = 0; length < bytes.size(); ++length)
+    ASSERT_FALSE(asset.load({bytes.data(), length}).ok()) << length;
   std::vector<std::byte> changed = bytes;
   for (size_t i = 0; i < bytes.size(); ++i) {
     changed[i] ^= std::byte{0x10};
@@ -233,7 +266,10 @@ TEST(Cook, GivesTheSameBytesAgain) {
   const auto make = [](uint32_t threads) {
     pipeline::CookOptions options;
     options.threads = threads;
-    return pipeline::cook(sceneOf(sheet(12), [](glm::dvec3 p) { return glm::dvec3(p.x * (0.5 + 0.5 * p.x), p.y, 0.0); }), pipeline::defaultRecipe(), options).bytes;
+    return pipeline::cook(
+               sceneOf(sheet(12), [](glm::dvec3 p) { return glm::dvec3(p.x * (0.5 + 0.5 * p.x), p.y, 0.0); }),
+               pipeline::defaultRecipe(), options)
+        .bytes;
   };
   EXPECT_EQ(make(1), make(1));
   EXPECT_EQ(make(1), make(3));
@@ -244,7 +280,8 @@ TEST(Cook, AnimationDirectionsFollowTheSqueeze) {
   const glm::dvec3 d(std::cos(angle), std::sin(angle), 0.0);
   pipeline::Recipe recipe = pipeline::defaultRecipe();
   recipe.layers[0].compress = pipeline::MapNone{};
-  const Asset asset = cookAsset(sceneOf(sheet(10), [d](glm::dvec3 p) { return p - 0.4 * glm::dot(p, d) * d; }), recipe);
+  const Asset asset =
+      cookAsset(sceneOf(sheet(10), [d](glm::dvec3 p) { return p - 0.4 * glm::dot(p, d) * d; }), recipe);
   const Layer& layer = asset.view().layers[0];
   for (uint32_t p = 0; p < asset.view().pointCount(); ++p) {
     const glm::dvec3 baked(layer.directions[4 * p], layer.directions[4 * p + 1], layer.directions[4 * p + 2]);
@@ -273,7 +310,8 @@ TEST_P(Posed, EqualsTheReferenceWithinAHundredThousandthOfTheDiagonal) {
   for (const glm::dmat4& m : posed.palette) {
     Affine& affine = palette.emplace_back();
     for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 4; ++column) affine.m[4 * row + column] = static_cast<float>(m[column][row]);
+      for (int column = 0; column < 4; ++column)
+        affine.m[4 * row + column] = static_cast<float>(m[column][row]);
   }
   const std::vector<float> morphs(posed.morph_weights.begin(), posed.morph_weights.end());
   std::vector<Float3> positions(view.vertexCount());
@@ -292,15 +330,19 @@ TEST_P(Posed, EqualsTheReferenceWithinAHundredThousandthOfTheDiagonal) {
   const double diagonal = glm::distance(lowest, highest);
   double worst = 0.0;
   for (uint32_t v = 0; v < view.vertexCount(); ++v)
-    worst = std::max(worst, glm::distance(reference[view.source_vertex[v]], glm::dvec3(positions[v].x, positions[v].y, positions[v].z)));
+    worst = std::max(worst, glm::distance(reference[view.source_vertex[v]],
+                                          glm::dvec3(positions[v].x, positions[v].y, positions[v].z)));
   RecordProperty("worst_of_diagonal", std::to_string(worst / diagonal));
   EXPECT_LE(worst, 2e-5 * diagonal);
 }
 
 INSTANTIATE_TEST_SUITE_P(Corpus, Posed,
-                         testing::Values("skinned/CesiumMan.glb", "skinned/simple_skin/simple_skin.gltf", "morph/SimpleMorph/SimpleMorph.gltf",
-                                         "morph/MorphStressTest/MorphStressTest.gltf", "face/ict_facekit_generic_55targets.glb",
-                                         "face/makehuman_body_34targets_skinned.glb", "face/valid/Asian_F_1_Casual.glb"));
+                         testing::Values("skinned/CesiumMan.glb", "skinned/simple_skin/simple_skin.gltf",
+                                         "morph/SimpleMorph/SimpleMorph.gltf",
+                                         "morph/MorphStressTest/MorphStressTest.gltf",
+                                         "face/ict_facekit_generic_55targets.glb",
+                                         "face/makehuman_body_34targets_skinned.glb",
+                                         "face/valid/Asian_F_1_Casual.glb"));
 
 }  // namespace
 }  // namespace furrow::tests

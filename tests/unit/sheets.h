@@ -5,9 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
-#include <numbers>
 
 #include "furrow/jobs.h"
 #include "pipeline/cook.h"
@@ -44,7 +44,8 @@ inline Primitive sheet(uint32_t n) {
   Primitive p;
   for (uint32_t y = 0; y <= n; ++y)
     for (uint32_t x = 0; x <= n; ++x) {
-      p.positions.push_back({static_cast<float>(x) / static_cast<float>(n), static_cast<float>(y) / static_cast<float>(n), 0.0f});
+      p.positions.push_back({static_cast<float>(x) / static_cast<float>(n),
+                             static_cast<float>(y) / static_cast<float>(n), 0.0f});
       p.uvs.push_back({p.positions.back().x, 1.0f - p.positions.back().y});
     }
   for (uint32_t y = 0; y < n; ++y)
@@ -72,7 +73,8 @@ inline pipeline::Recipe recipeOf(std::vector<pipeline::LayerRecipe> layers) {
   return recipe;
 }
 
-inline Asset cookAsset(SourceScene scene, const pipeline::Recipe& recipe, pipeline::GeometryCodec codec = pipeline::GeometryCodec::kDraco) {
+inline Asset cookAsset(SourceScene scene, const pipeline::Recipe& recipe,
+                       pipeline::GeometryCodec codec = pipeline::GeometryCodec::kDraco) {
   pipeline::CookOptions options;
   options.geometry = codec;
   const pipeline::Cooked cooked = pipeline::cook(std::move(scene), recipe, options);
@@ -84,14 +86,14 @@ inline Asset cookAsset(SourceScene scene, const pipeline::Recipe& recipe, pipeli
 
 struct Frame {
   std::vector<Float3> positions;
-  std::vector<std::vector<float>> q;       // a layer, a point
-  std::vector<int16_t> weights;            // weightStride a vertex
-  std::vector<double> alpha, weight;       // layer 0, in source order
+  std::vector<std::vector<float>> q;  // a layer, a point
+  std::vector<int16_t> weights;       // weightStride a vertex
+  std::vector<double> alpha, weight;  // layer 0, in source order
 };
 
 // `pieces`: how many ranges every job is split into.
-inline Frame evaluate(const AssetView& asset, std::vector<float> morph_weights, Affine pose = {}, float scale = 1.0f, float region = 0.0f,
-                      uint32_t pieces = 1) {
+inline Frame evaluate(const AssetView& asset, std::vector<float> morph_weights, Affine pose = {},
+                      float scale = 1.0f, float region = 0.0f, uint32_t pieces = 1) {
   Frame frame;
   const std::vector<Affine> palette(asset.palette.size(), pose);
   morph_weights.resize(asset.morphs.size());
@@ -100,7 +102,9 @@ inline Frame evaluate(const AssetView& asset, std::vector<float> morph_weights, 
   const auto run = [&](const auto& job, uint32_t count) {
     const Status status = job.validate();
     if (!status.ok()) throw std::runtime_error(status.message);
-    for (uint32_t i = 0; i < pieces; ++i) job.run(static_cast<uint32_t>(uint64_t{count} * i / pieces), static_cast<uint32_t>(uint64_t{count} * (i + 1) / pieces));
+    for (uint32_t i = 0; i < pieces; ++i)
+      job.run(static_cast<uint32_t>(uint64_t{count} * i / pieces),
+              static_cast<uint32_t>(uint64_t{count} * (i + 1) / pieces));
   };
   run(DeformJob{&asset, palette, morph_weights, frame.positions, {}, {}}, asset.vertexCount());
   std::vector<float> triangle_q(asset.triangleCount());

@@ -83,8 +83,8 @@ struct Layer {
   std::span<const uint8_t> mask;       // a vertex, unorm8; empty: 1
   std::span<const int8_t> directions;  // 4 a point: the unit direction in root space at rest, 3 x snorm8, and
                                        // the confidence in it, 0 to 127; empty for kNone
-  uint32_t mask_slice;                // channel mask_slice % 4 of slice mask_slice / 4 of TextureSet::masks
-  uint32_t driver_begin, driver_end;  // in drivers()
+  uint32_t mask_slice;                 // channel mask_slice % 4 of slice mask_slice / 4 of TextureSet::masks
+  uint32_t driver_begin, driver_end;   // in drivers()
 };
 
 // region weight of the layer += gain * morph weight
@@ -166,8 +166,8 @@ struct AssetView {
   std::string_view tool_version;   // of the furrow that cooked it
   std::string_view source;         // file name of what was cooked
   std::span<const std::byte> rig;  // the section the pipeline's tools read nodes and clips from; opaque here
-  std::span<const std::byte> place_hash;  // the section PlaceHash reads
-  std::span<const uint32_t> place_points;    // 2 a place: its first point, how many points
+  std::span<const std::byte> place_hash;   // the section PlaceHash reads
+  std::span<const uint32_t> place_points;  // 2 a place: its first point, how many points
   float position_error;  // measured by the cook: largest |asset - source| at rest, in root space
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }

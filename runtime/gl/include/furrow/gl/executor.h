@@ -1,6 +1,7 @@
 #pragma once
 
-// Runs a frame plan on OpenGL 4.3 or newer. All calls need the same current context; the functions are found through epoxy.
+// Runs a frame plan on OpenGL 4.3 or newer. All calls need the same current context; the functions are found
+// through epoxy.
 
 #include <memory>
 #include <span>
@@ -9,7 +10,8 @@
 
 namespace furrow::gl {
 
-// Whether the current context can run the gpu tier, and if not why (for the log and for the error of a forced tier).
+// Whether the current context can run the gpu tier, and if not why (for the log and for the error of a forced
+// tier).
 struct Support {
   bool gpu = false;
   char reason[160] = {};  // "llvmpipe (LLVM 15), OpenGL 4.5" or what is missing
@@ -21,7 +23,8 @@ class Executor {
   Executor();
   ~Executor();
 
-  // Compiles the shaders and makes and fills the buffers. `plan` and the asset it was made from must outlive the executor.
+  // Compiles the shaders and makes and fills the buffers. `plan` and the asset it was made from must outlive
+  // the executor.
   Status create(const FramePlan& plan);
 
   void upload(Buffer buffer, std::span<const std::byte> bytes);  // at most the buffer's size
