@@ -12,6 +12,7 @@
 #include "pipeline/error.h"
 #include "pipeline/layer_bake.h"
 #include "pipeline/map_bake.h"
+#include "pipeline/pack/geometry.h"
 #include "pipeline/pack/writer.h"
 #include "pipeline/scene/rest.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/pack/geometry.h"
+#include "pipeline/pack/geometry_codec.h"
 #include "pipeline/recipe.h"
 #include "pipeline/scene/source_scene.h"
 

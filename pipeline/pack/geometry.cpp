@@ -195,15 +195,19 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
   const auto indices =
       raw ? writeStream(builder, part.indices.data(), 4, part.indices.size(), format::Codec::MeshoptSequence)
           : flatbuffers::Offset<format::Stream>();
-  std::vector<float> rest;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) rest.push_back(static_cast<float>(part.rest[column][row]));
   const format::Color color(part.base_color.r, part.base_color.g, part.base_color.b, part.base_color.a);
   return format::CreatePart(builder, builder.CreateString(part.mesh), builder.CreateString(part.material),
                             part.vertices, part.triangles, builder.CreateVector(attributes),
                             builder.CreateVector(part.draco), indices, part.palette_begin, part.palette_count,
-                            part.texture_set, &color, builder.CreateVector(rest), part.has_normals,
+                            part.texture_set, &color, builder.CreateVector(affineRows(part.rest)), part.has_normals,
                             part.has_uvs);
+}
+
+std::vector<float> affineRows(const glm::dmat4& matrix) {
+  std::vector<float> rows;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) rows.push_back(static_cast<float>(matrix[column][row]));
+  return rows;
 }
 
 PartGeometry unpackGeometry(const PackedPart& part, uint32_t influences) {

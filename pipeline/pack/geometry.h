@@ -15,11 +15,10 @@
 
 #include "furrow_generated.h"
 #include "part_geometry.h"
+#include "pipeline/pack/geometry_codec.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::pipeline {
-
-enum class GeometryCodec { kDraco, kRaw };
 
 struct PackedAttribute {
   format::Semantic semantic{};
@@ -53,6 +52,9 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
 // What the runtime will decode.
 PartGeometry unpackGeometry(const PackedPart& part, uint32_t influences);
 uint32_t influencesOf(const PackedPart& part);
+
+// The upper three rows, row-major, as the file and the runtime's Affine hold a matrix.
+std::vector<float> affineRows(const glm::dmat4& matrix);
 
 // A stream through meshoptimizer's codecs. `stride` is a multiple of 4.
 flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,

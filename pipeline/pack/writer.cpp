@@ -24,13 +24,6 @@ Offset<flatbuffers::Vector<uint8_t>> bytesVector(FlatBufferBuilder& builder, con
   return builder.CreateVector(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
 }
 
-std::vector<float> affine(const glm::dmat4& m) {
-  std::vector<float> out;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) out.push_back(static_cast<float>(m[column][row]));
-  return out;
-}
-
 template <typename T>
 std::vector<T> padded(std::vector<T> values) {  // streams hold whole words
   values.resize((values.size() * sizeof(T) + 3) / 4 * 4 / sizeof(T), T(0));
@@ -47,7 +40,7 @@ class Writer {
     std::vector<Offset<format::PaletteEntry>> palette;
     for (const PaletteEntry& entry : in_.scene.rig.palette)
       palette.push_back(format::CreatePaletteEntry(b_, b_.CreateString(in_.scene.rig.nodes[entry.node].name),
-                                                   entry.node, b_.CreateVector(affine(entry.inverse_bind))));
+                                                   entry.node, b_.CreateVector(affineRows(entry.inverse_bind))));
     std::vector<Offset<format::Morph>> morphs = writeMorphs();
     std::vector<Offset<format::Layer>> layers;
     for (size_t l = 0; l < in_.layers.size(); ++l) layers.push_back(writeLayer(l));
