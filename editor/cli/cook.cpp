@@ -56,10 +56,12 @@ void run(const Options& options) {
   if (!options.depfile.empty()) writeText(options.depfile, depfileText(options.out, cooked.dependencies));
   const pipeline::CookReport& report = cooked.report;
   if (!options.report.empty()) writeText(options.report, pipeline::reportText(report, options.out));
-  if (!options.quiet)
+  if (!options.quiet) {
+    printWarnings(options.in, report.warnings);
     std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
                  options.out.c_str(), report.triangles, report.vertices, report.points, report.bytes,
                  std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
 }
 
 }  // namespace
