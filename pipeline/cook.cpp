@@ -1,6 +1,7 @@
 #include "pipeline/cook.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -29,12 +30,12 @@ class Cook {
 
   Cooked run() {
     check();
-    options_.progress("welding");
+    stage("welding");
     const std::vector<glm::vec3> source_rest = restFloats();
     weld_ = weld(scene_, source_rest);
     packParts();
     makeSurface(source_rest);
-    options_.progress("measuring the animation");
+    stage("measuring the animation");
     const Rings rings = makeRings(surface_);
     Squeeze squeeze;
     if (needsSqueeze()) {
@@ -47,16 +48,16 @@ class Cook {
       squeeze.tensor.assign(surface_.triangles.size(), glm::vec3(0.0f));
       squeeze.peak.assign(surface_.triangles.size(), 0.0f);
     }
-    options_.progress("baking layers");
+    stage("baking layers");
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, recipe_file_};
     std::vector<BakedLayer> layers;
     for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
-    options_.progress("making maps");
+    stage("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
     for (uint32_t s = 0; s < sets.size(); ++s)
       for (uint32_t part : sets[s].parts) parts_[part].texture_set = s;
 
-    options_.progress("packing");
+    stage("packing");
     Cooked cooked;
     cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_,
                                place_points_, influences_, position_error_});
@@ -65,7 +66,9 @@ class Cook {
       throw Error(Exit::kBadData, scene_.file.string(),
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
+    endStage();
     report();
+    report_.bytes = cooked.bytes.size();
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
@@ -74,6 +77,18 @@ class Cook {
   }
 
  private:
+  void stage(const char* name) {
+    endStage();
+    report_.stages.push_back({name});
+    options_.progress(name);
+  }
+  void endStage() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!report_.stages.empty())
+      report_.stages.back().seconds = std::chrono::duration<double>(now - stage_begin_).count();
+    stage_begin_ = now;
+  }
+
   void warn(std::string text) { report_.warnings.push_back(std::move(text)); }
 
   void check() {
@@ -295,6 +310,7 @@ class Cook {
   const CookOptions& options_;
   std::string recipe_file_;
   CookReport report_;
+  std::chrono::steady_clock::time_point stage_begin_;
   Weld weld_;
   Surface surface_;
   std::vector<PackedPart> parts_;

@@ -4,9 +4,9 @@
 
 #include <cstddef>
 #include <functional>
-#include <string>
 #include <vector>
 
+#include "pipeline/cook_report.h"
 #include "pipeline/pack/geometry_codec.h"
 #include "pipeline/recipe.h"
 #include "pipeline/scene/source_scene.h"
@@ -17,14 +17,6 @@ struct CookOptions {
   GeometryCodec geometry = GeometryCodec::kDraco;
   uint32_t threads = 2;
   std::function<void(const char* stage)> progress = [](const char*) {};
-};
-
-struct CookReport {
-  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
-           clips = 0;
-  double position_error = 0.0;  // root-space units
-  double diagonal = 0.0;        // of the rest bounding box
-  std::vector<std::string> warnings;
 };
 
 struct Cooked {

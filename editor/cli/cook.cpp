@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "editor/cli/commands.h"
@@ -56,27 +55,11 @@ void run(const Options& options) {
   pipeline::writeFile(options.out, cooked.bytes);
   if (!options.depfile.empty()) writeText(options.depfile, depfileText(options.out, cooked.dependencies));
   const pipeline::CookReport& report = cooked.report;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!options.report.empty()) {
-    const nlohmann::json json = {{"asset", options.out},
-                                 {"bytes", cooked.bytes.size()},
-                                 {"vertices", report.vertices},
-                                 {"triangles", report.triangles},
-                                 {"degenerateTriangles", report.degenerate_triangles},
-                                 {"places", report.places},
-                                 {"points", report.points},
-                                 {"morphTargets", report.morphs},
-                                 {"clips", report.clips},
-                                 {"positionError", report.position_error},
-                                 {"diagonal", report.diagonal},
-                                 {"seconds", seconds},
-                                 {"warnings", report.warnings}};
-    writeText(options.report, json.dump(2) + "\n");
-  }
+  if (!options.report.empty()) writeText(options.report, pipeline::reportText(report, options.out));
   if (!options.quiet)
     std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
-                 options.out.c_str(), report.triangles, report.vertices, report.points, cooked.bytes.size(),
-                 seconds);
+                 options.out.c_str(), report.triangles, report.vertices, report.points, report.bytes,
+                 std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -83,9 +84,12 @@ pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesy
   pipeline::Cooked cooked;
   {
     const ClearLine clear{terminal};
+    const auto begin = std::chrono::steady_clock::now();
     pipeline::SourceScene scene = pipeline::import(source);
+    const std::chrono::duration<double> importing = std::chrono::steady_clock::now() - begin;
     cooked = pipeline::cook(
         std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);
+    cooked.report.stages.insert(cooked.report.stages.begin(), {"importing", importing.count()});
   }
   if (!quiet)
     for (const std::string& warning : cooked.report.warnings)

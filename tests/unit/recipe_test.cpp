@@ -159,12 +159,29 @@ TEST_F(RecipeTest, TheTestAboveHasEveryKeyOfTheTable) {
   EXPECT_EQ(used, names);
 }
 
-TEST_F(RecipeTest, TheCommittedSchemaIsThatOfTheParser) {
-  std::filesystem::path file = std::filesystem::path(FURROW_SOURCE_DIR) / "docs/recipe.schema.json";
-  if (std::getenv("FURROW_UPDATE") != nullptr) std::ofstream(file, std::ios::binary) << recipeSchemaText();
+// What is committed as docs/`name`; FURROW_UPDATE=1 in the environment writes what `current` makes of it.
+template <typename Current>
+void expectCurrent(const char* name, const Current& current) {
+  const std::filesystem::path file = std::filesystem::path(FURROW_SOURCE_DIR) / "docs" / name;
   std::ifstream stream(file, std::ios::binary);
-  std::string committed{std::istreambuf_iterator<char>(stream), {}};
-  EXPECT_EQ(committed, recipeSchemaText()) << "run this test with FURROW_UPDATE=1 and commit " << file;
+  const std::string committed{std::istreambuf_iterator<char>(stream), {}}, wanted = current(committed);
+  if (std::getenv("FURROW_UPDATE") != nullptr)
+    std::ofstream(file, std::ios::binary) << wanted;
+  else
+    EXPECT_EQ(committed, wanted) << "run this test with FURROW_UPDATE=1 and commit " << file;
+}
+
+TEST_F(RecipeTest, TheCommittedSchemaIsThatOfTheParser) {
+  expectCurrent("recipe.schema.json", [](const std::string&) { return recipeSchemaText(); });
+}
+
+TEST_F(RecipeTest, TheTablesOfTheDocumentationAreThoseOfTheParser) {
+  expectCurrent("recipe.md", [](const std::string& committed) {
+    const size_t begin = committed.find("-->\n", committed.find("<!-- tables")) + 4,
+                 end = committed.find("<!-- end of the tables");
+    EXPECT_LE(begin, end);
+    return committed.substr(0, begin) + '\n' + recipeTablesText() + '\n' + committed.substr(end);
+  });
 }
 
 TEST_F(RecipeTest, OnlyTheNameIsRequiredOfALayer) {
