@@ -12,7 +12,7 @@ packages=(
   # preview and editor
   libegl-dev libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # tests
-  libgtest-dev libgmock-dev libbenchmark-dev glslang-tools spirv-tools xvfb
+  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema glslang-tools spirv-tools xvfb
 )
 
 if ! command -v apt-get >/dev/null; then
