@@ -47,8 +47,7 @@ class RecipeTool : public ToolTest {
 };
 
 TEST_F(RecipeTool, TheRecipeItWritesCooksTheSameAsset) {
-  const std::string recipes[] = {
-      "", R"({"layers":[{"name":"a","response":{"fit":0.9},"mask":"none"},
+  const std::string recipes[] = {"", R"({"layers":[{"name":"a","response":{"fit":0.9},"mask":"none"},
                         {"name":"b","direction":{"axis":[1,2,0]},"response":{"lambda":1.1,"beta":3.3},
                          "compress":"none","stretch":{"synthesize":{"preset":"cloth"}}}]})"};
   for (const std::string& recipe : recipes) {
@@ -86,7 +85,8 @@ TEST_F(RecipeTool, AFittedResponseIsToldAndWritten) {
   EXPECT_NE(outcome.err.find("layer \"a\": fitted lambda 1, beta 2.124: weight 0.9 at alpha 4"),
             std::string::npos)
       << outcome.err;
-  EXPECT_EQ(json::parse(readText(init)).at("layers").at(0).at("response"), json({{"lambda", 1.0}, {"beta", 2.124}}));
+  EXPECT_EQ(json::parse(readText(init)).at("layers").at(0).at("response"),
+            json({{"lambda", 1.0}, {"beta", 2.124}}));
   const json report = json::parse(readText(output() / "report.json"));
   EXPECT_NEAR(report.at("layers").at(0).at("fit").at("alpha"), 4.0, 1e-3);
   EXPECT_EQ(report.at("bytes"), std::filesystem::file_size(asset));
@@ -117,7 +117,8 @@ TEST_F(RecipeTool, TheRecipeItWritesIsValidByTheSchema) {
       "python3 -c 'import json, sys, jsonschema\n"
       "schema = json.load(open(sys.argv[1]))\n"
       "jsonschema.Draft7Validator.check_schema(schema)\n"
-      "sys.exit(not jsonschema.Draft7Validator(schema).is_valid(json.load(open(sys.argv[2]))))' " FURROW_SOURCE_DIR
+      "sys.exit(not "
+      "jsonschema.Draft7Validator(schema).is_valid(json.load(open(sys.argv[2]))))' " FURROW_SOURCE_DIR
       "/docs/recipe.schema.json ";
   EXPECT_EQ(std::system((check + init.string()).c_str()), 0);
   const std::string wrong = write("wrong.json", R"({"layers":[{"nam":"a"}]})");

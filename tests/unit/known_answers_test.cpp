@@ -387,7 +387,8 @@ TEST(ResponseFit, AWeightOutOfReachIsTold) {
   EXPECT_EQ(layer.response.beta, 16.0f);
   EXPECT_NEAR(layer.fit->weight, std::tanh(-16.0 * std::log(0.98)), 1e-3);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0], "layer \"layer\" is squeezed to alpha 1.04 only: its weight reaches 0.31 instead of 0.9");
+  EXPECT_EQ(warnings[0],
+            "layer \"layer\" is squeezed to alpha 1.04 only: its weight reaches 0.31 instead of 0.9");
 }
 
 TEST(ResponseFit, WhatNothingSqueezesIsNotFitted) {
@@ -416,7 +417,7 @@ TEST(ResponseFit, ThePercentileIsOfTheMaskedArea) {
   EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 95.0);
   surface.point_positions[3 * 99 + 1].x += 9.0f;  // the last one ten times as large: 10 of 109
   EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 100.0);
-  for (int c = 0; c < 3; ++c) strength[3 * 99 + c] = 0.1f;  // a mask brings it back to 1 of 100
+  for (int c = 0; c < 3; ++c) strength[3 * 99 + c] = 0.09f;  // a mask makes it 0.9 of 99.9
   EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 95.0);
   for (size_t t = 50; t < 100; ++t) covered[t] = false;  // 48 of 50 is above 95%
   EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 48.0);

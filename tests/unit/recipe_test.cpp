@@ -184,7 +184,8 @@ TEST_F(RecipeTest, AFitStandsAlone) {
   EXPECT_EQ(layerError(R"("response": {"fit": 0.9, "beta": 4})"),
             "layers[0].response: \"fit\" does not go with other keys: leave out \"fit\", or lambda, beta and "
             "stretch, which it works out");
-  EXPECT_EQ(layerError(R"("response": {"fit": 1})"), "layers[0].response.fit: is 1: give a number from 0.01 to 0.99");
+  EXPECT_EQ(layerError(R"("response": {"fit": 1})"),
+            "layers[0].response.fit: is 1: give a number from 0.01 to 0.99");
   EXPECT_FALSE(layer("").fit);
 }
 
