@@ -20,7 +20,7 @@ std::string readText(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code ignored;
   if (!stream || std::filesystem::is_directory(file, ignored))
-    throw Error(Exit::kEnvironment, file.string(), "cannot be opened", "give a recipe that can be read");
+    throw Error(Exit::kBadData, file.string(), "cannot be opened", "give a recipe that can be read");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 

@@ -62,6 +62,7 @@ void run(const Options& options) {
   const pipeline::CookReport& report = cooked.report;
   if (!options.report.empty()) writeText(options.report, pipeline::reportText(report, options.out));
   if (options.quiet) return;
+  printWarnings(options.in, report.warnings);
   for (const pipeline::LayerReport& layer : report.layers)
     if (layer.fit)
       std::fprintf(stderr,

@@ -408,12 +408,12 @@ TEST_F(RecipeTest, ImagesMustExist) {
             folder_ / "map.png");
 }
 
-TEST_F(RecipeTest, ARecipeThatCannotBeOpenedIsTheEnvironments) {
+TEST_F(RecipeTest, ARecipeThatCannotBeOpenedIsNamed) {
   for (const auto& path : {folder_ / "no.json", folder_}) try {
       readRecipe(path);
       ADD_FAILURE() << "no error";
     } catch (const Error& error) {
-      EXPECT_EQ(error.exit(), Exit::kEnvironment);
+      EXPECT_EQ(error.exit(), Exit::kBadData);
       EXPECT_EQ(error.what(), path.string() + ": cannot be opened: give a recipe that can be read");
     }
 }
