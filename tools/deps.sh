@@ -12,7 +12,7 @@ packages=(
   # preview and editor
   libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # tests
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema
 )
 
 if ! command -v apt-get >/dev/null; then
