@@ -46,7 +46,7 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   if (looksLikeAsset(file)) {
     bytes = readFile(file);
   } else {
-    bytes = cookFile(file, {}, {}, false).bytes;
+    bytes = cookFile({.pattern = {}, .base = file}, {}, {}, false).bytes;
     opened.cooked_here = true;
   }
   opened.bytes = bytes.size();
@@ -66,12 +66,13 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   return opened;
 }
 
-pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
+pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet) {
+  const std::filesystem::path& file = source.base.empty() ? source.pattern : source.base;
   const bool terminal = !quiet && ::isatty(STDERR_FILENO);
   if (terminal)
     options.progress = [&](const char* stage) {
-      std::fprintf(stderr, "\r\033[Kfurrow: %s: %s ...", source.c_str(), stage);
+      std::fprintf(stderr, "\r\033[Kfurrow: %s: %s ...", file.c_str(), stage);
     };
   options.progress("importing");
   struct ClearLine {
@@ -83,13 +84,14 @@ pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesy
   pipeline::Cooked cooked;
   {
     const ClearLine clear{terminal};
-    pipeline::SourceScene scene = pipeline::import(source);
+    pipeline::SourceScene scene =
+        source.pattern.empty() ? pipeline::import(source.base) : pipeline::importSequence(source);
     cooked = pipeline::cook(
         std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);
   }
   if (!quiet)
     for (const std::string& warning : cooked.report.warnings)
-      std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
+      std::fprintf(stderr, "furrow: %s: warning: %s\n", file.c_str(), warning.c_str());
   return cooked;
 }
 

@@ -7,6 +7,7 @@
 
 #include "furrow/asset.h"
 #include "pipeline/cook.h"
+#include "pipeline/import/sequence.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::cli {
@@ -21,9 +22,9 @@ struct OpenedAsset {
 
 OpenedAsset openAsset(const std::filesystem::path& file);
 
-// Cooks a source with a recipe (empty path: the default one); prints stages on a terminal and warnings on
-// stderr, unless quiet.
-pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
+// Cooks a source (the base alone if the sequence has no pattern) with a recipe (empty path: the default one);
+// prints stages on a terminal and warnings on stderr, unless quiet.
+pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet);
 
 }  // namespace furrow::cli

@@ -86,7 +86,8 @@ Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
       for (uint32_t t = span.triangle_begin; t < span.triangle_end; ++t) {
         const glm::uvec3 c = surface.triangles[t];
         if (touched[c.x] | touched[c.y] | touched[c.z])
-          meter.measure(t, moved[c.x], moved[c.y], moved[c.z], squeeze.by_morphs);
+          meter.measure(t, moved[c.x], moved[c.y], moved[c.z],
+                        scene.sequence ? squeeze.by_clips : squeeze.by_morphs);
       }
       for (uint32_t source : delta.vertices) {
         moved[asset_vertex[source]] = surface.positions[asset_vertex[source]];

@@ -9,6 +9,7 @@
 #include <istream>
 #include <map>
 #include <mutex>
+#include <span>
 #include <streambuf>
 #include <string_view>
 
@@ -411,6 +412,7 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
   for (const uint32_t c : wanted) {
     const Recorder::Corner& corner = mesh.corners[c];
     out.positions.push_back(mesh.positions[corner.place]);
+    out.file_vertices.push_back(corner.place);
     if (mesh.has_normals) out.normals.push_back(finite(corner.normal) ? corner.normal : glm::vec3(0.0f));
     if (mesh.has_uvs)
       out.uvs.push_back(std::isfinite(corner.uv.x) && std::isfinite(corner.uv.y) ? corner.uv
@@ -425,9 +427,7 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
   return out;
 }
 
-}  // namespace
-
-SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
+Recorder record(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t>& bytes) {
   std::vector<MaterialChange> changes;
   const size_t promised = format == MeshFormat::kObj ? prepareObj(bytes, changes) : 0;
   if (format == MeshFormat::kPly) checkPlyHeader(file, bytes);
@@ -435,6 +435,23 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
   Recorder mesh(buffer, promised, std::move(changes));
   parse(format, buffer, mesh);
   if (mesh.polygon_ends.empty()) fail("it has no faces");
+  return mesh;
+}
+
+}  // namespace
+
+Polygons polygonsOf(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
+  Recorder mesh = record(file, format, bytes);
+  Polygons out{std::move(mesh.positions), std::move(mesh.polygon_corners), std::move(mesh.polygon_ends)};
+  for (uint32_t& corner : out.corners) {
+    corner = mesh.corners[corner].place;
+    if (!finite(out.positions[corner])) fail("a position is not finite");
+  }
+  return out;
+}
+
+SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
+  const Recorder mesh = record(file, format, bytes);
 
   SourceScene scene;
   scene.dependencies.push_back(file);
