@@ -28,7 +28,7 @@ struct Polygons {
   std::vector<uint32_t> ends;        // of every face, in corners
 };
 Polygons importPolygons(const std::filesystem::path& file);  // as import(), which tells the format
-Polygons polygonsOf(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes);
+Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes);
 
 SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes);
 

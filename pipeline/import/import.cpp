@@ -23,11 +23,14 @@ std::string_view skipSpace(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view{} : text.substr(begin);
 }
 
-bool isBinaryStl(const std::vector<uint8_t>& bytes) {
+// Its header may say "solid", and bytes may follow it or be missing; then the name must say STL.
+bool isBinaryStl(const std::vector<uint8_t>& bytes, bool named_stl) {
   if (bytes.size() < kStlHeader) return false;
   uint32_t triangles = 0;
   std::memcpy(&triangles, bytes.data() + kStlHeader - sizeof triangles, sizeof triangles);
-  return bytes.size() == kStlHeader + kStlTriangle * static_cast<size_t>(triangles);
+  if (bytes.size() == kStlHeader + kStlTriangle * static_cast<size_t>(triangles)) return true;
+  return named_stl &&
+         std::find(bytes.begin(), bytes.begin() + kStlHeader, uint8_t{0}) != bytes.begin() + kStlHeader;
 }
 
 // "OFF" with any of the prefixes that say what a vertex holds: ST, C, N, 4, n.
@@ -50,7 +53,7 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
   const std::string extension = extensionOf(file);
   if (raw.starts_with("glTF") || text.starts_with('{')) return std::nullopt;
   if (raw.starts_with("ply\n") || raw.starts_with("ply\r")) return MeshFormat::kPly;
-  if (isBinaryStl(bytes)) return MeshFormat::kStlBinary;
+  if (isBinaryStl(bytes, extension == ".stl")) return MeshFormat::kStlBinary;
   if (isOff(text)) return MeshFormat::kOff;
   if (extension == ".obj") return MeshFormat::kObj;
   if (text.starts_with("solid") || extension == ".stl") return MeshFormat::kStlText;
@@ -131,7 +134,7 @@ Polygons importPolygons(const std::filesystem::path& file) {
     if (!format)
       throw Error(Exit::kBadData, file.string(), "glTF cannot be a part of a sequence",
                   "give OBJ, PLY, STL or OFF, or the animation as glTF");
-    return polygonsOf(file, *format, std::move(bytes));
+    return polygonsOf(*format, std::move(bytes));
   });
 }
 
