@@ -4,9 +4,9 @@
 
 #include <cstddef>
 #include <functional>
-#include <string>
 #include <vector>
 
+#include "pipeline/cook_report.h"
 #include "pipeline/pack/geometry_codec.h"
 #include "pipeline/recipe.h"
 #include "pipeline/scene/source_scene.h"
@@ -19,16 +19,9 @@ struct CookOptions {
   std::function<void(const char* stage)> progress = [](const char*) {};
 };
 
-struct CookReport {
-  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
-           clips = 0;
-  double position_error = 0.0;  // root-space units
-  double diagonal = 0.0;        // of the rest bounding box
-  std::vector<std::string> warnings;
-};
-
 struct Cooked {
   std::vector<std::byte> bytes;  // a whole .furrow file, already loaded once to prove it sound
+  Recipe recipe;                 // with all that was left open worked out; cooks to the same bytes
   CookReport report;
   std::vector<std::filesystem::path> dependencies;  // source, recipe and images
 };

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "editor/cli/commands.h"
@@ -13,10 +12,10 @@ namespace furrow::cli {
 namespace {
 
 struct Options {
-  std::string in, out, recipe, depfile, report, geometry = "draco";
+  std::string in, out, recipe, init, depfile, report, geometry = "draco";
   pipeline::Sequence sequence;
   uint32_t threads = 0;
-  bool quiet = false;
+  bool force = false, quiet = false;
 };
 
 void writeText(const std::string& file, const std::string& text) {
@@ -41,6 +40,10 @@ std::string depfileText(const std::string& target, const std::vector<std::filesy
 
 void run(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
+  std::error_code ignored;
+  if (!options.init.empty() && !options.force && std::filesystem::exists(options.init, ignored))
+    throw pipeline::Error(pipeline::Exit::kBadUsage, options.init, "it exists already",
+                          "give --init another name, or --force to replace it");
   pipeline::CookOptions cook_options;
   cook_options.geometry =
       options.geometry == "raw" ? pipeline::GeometryCodec::kRaw : pipeline::GeometryCodec::kDraco;
@@ -49,34 +52,27 @@ void run(const Options& options) {
   pipeline::Sequence sequence = options.sequence;
   sequence.base = options.in;
   const pipeline::Cooked cooked = cookFile(sequence, options.recipe, cook_options, options.quiet);
-  for (const std::filesystem::path& input : cooked.dependencies)
-    if (std::error_code error; std::filesystem::equivalent(input, options.out, error))
-      throw pipeline::Error(pipeline::Exit::kBadUsage, options.out, "the output would overwrite an input",
-                            "choose another name for -o");
+  for (const std::string& output : {options.out, options.init})
+    for (const std::filesystem::path& input : cooked.dependencies)
+      if (std::filesystem::equivalent(input, output, ignored))
+        throw pipeline::Error(pipeline::Exit::kBadUsage, output, "the output would overwrite an input",
+                              "choose another name for it");
   pipeline::writeFile(options.out, cooked.bytes);
+  if (!options.init.empty()) writeText(options.init, pipeline::recipeText(cooked.recipe, options.init));
   if (!options.depfile.empty()) writeText(options.depfile, depfileText(options.out, cooked.dependencies));
   const pipeline::CookReport& report = cooked.report;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!options.report.empty()) {
-    const nlohmann::json json = {{"asset", options.out},
-                                 {"bytes", cooked.bytes.size()},
-                                 {"vertices", report.vertices},
-                                 {"triangles", report.triangles},
-                                 {"degenerateTriangles", report.degenerate_triangles},
-                                 {"places", report.places},
-                                 {"points", report.points},
-                                 {"morphTargets", report.morphs},
-                                 {"clips", report.clips},
-                                 {"positionError", report.position_error},
-                                 {"diagonal", report.diagonal},
-                                 {"seconds", seconds},
-                                 {"warnings", report.warnings}};
-    writeText(options.report, json.dump(2) + "\n");
-  }
-  if (!options.quiet)
-    std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
-                 options.out.c_str(), report.triangles, report.vertices, report.points, cooked.bytes.size(),
-                 seconds);
+  if (!options.report.empty()) writeText(options.report, pipeline::reportText(report, options.out));
+  if (options.quiet) return;
+  printWarnings(sequence.name(), report.warnings);
+  for (const pipeline::LayerReport& layer : report.layers)
+    if (layer.fit)
+      std::fprintf(stderr,
+                   "furrow: %s: layer \"%s\": fitted lambda %.4g, beta %.4g: weight %.2g at alpha %.3g\n",
+                   options.out.c_str(), layer.name.c_str(), layer.response.lambda, layer.response.beta,
+                   layer.fit->weight, layer.fit->alpha);
+  std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
+               options.out.c_str(), report.triangles, report.vertices, report.points, report.bytes,
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
 
 }  // namespace
@@ -95,6 +91,9 @@ Command addCook(CLI::App& app) {
   command->add_option("-o,--output", options->out, "The asset to write")->required();
   command->add_option("--recipe", options->recipe,
                       "Recipe (JSON); without one, one layer worked out from the animation");
+  CLI::Option* init = command->add_option("--init", options->init,
+                                          "Write the recipe with all that was worked out, to be edited");
+  command->add_flag("--force", options->force, "Let --init replace a file")->needs(init);
   command->add_option("--depfile", options->depfile, "Write a Make rule with every file that was read");
   command->add_option("--report", options->report, "Write what was done as JSON");
   command->add_option("--geometry", options->geometry, "draco (default) or raw, which loads without Draco")

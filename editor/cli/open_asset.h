@@ -18,13 +18,17 @@ struct OpenedAsset {
   bool cooked_here = false;
   Asset asset;
   pipeline::Rig rig;
+  std::vector<std::string> warnings;  // of the cook, if there was one
 };
 
 OpenedAsset openAsset(const std::filesystem::path& file);
 
 // Cooks a source (the base alone if the sequence has no pattern) with a recipe (empty path: the default one);
-// prints stages on a terminal and warnings on stderr, unless quiet.
+// prints stages on a terminal unless quiet.
 pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet);
+
+// On stderr, one a line. The last thing a command does: a fault stands alone.
+void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings);
 
 }  // namespace furrow::cli

@@ -12,6 +12,8 @@ struct Sequence {
   std::filesystem::path pattern;  // files; * and ? stand for any text and any letter of the file's name
   std::filesystem::path base;     // relaxed mesh, with the UVs and materials; empty: the first frame
   double fps = 24.0;              // frames a second, > 0
+
+  const std::filesystem::path& name() const { return base.empty() ? pattern : base; }  // for messages
 };
 
 // The files of a sequence, numbers in their names in the order of their values.
