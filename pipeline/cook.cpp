@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <set>
 
 #include "pipeline/bake/rings.h"
 #include "pipeline/bake/squeeze.h"
@@ -48,9 +49,10 @@ class Cook {
       squeeze.peak.assign(surface_.triangles.size(), 0.0f);
     }
     options_.progress("baking layers");
-    const LayerInput input{scene_, surface_, source_vertex_, squeeze, recipe_file_};
+    const MaskImages masks = maskImages();
+    const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, recipe_file_};
     std::vector<BakedLayer> layers;
-    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
+    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer));
     options_.progress("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
     for (uint32_t s = 0; s < sets.size(); ++s)
@@ -66,6 +68,12 @@ class Cook {
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
     report();
+    for (const TextureSet& set : loaded.view().texture_sets)
+      for (const Texture* texture : {&set.normals, &set.shading, &set.masks})
+        if (texture->slices > 0)
+          report_.textures.push_back({std::string(set.name), texture->format, texture->width, texture->height,
+                                      texture->slices, texture->data.size(), texture->rms_error,
+                                      texture->largest_error});
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
@@ -98,8 +106,19 @@ class Cook {
   bool needsSqueeze() const {
     return std::any_of(recipe_.layers.begin(), recipe_.layers.end(), [](const LayerRecipe& layer) {
       return std::holds_alternative<DirectionAnimation>(layer.direction) ||
-             std::holds_alternative<MaskAuto>(layer.mask);
+             std::holds_alternative<MaskAuto>(layer.mask) ||
+             std::holds_alternative<MapSynthesized>(layer.compress) ||
+             std::holds_alternative<MapSynthesized>(layer.stretch);
     });
+  }
+
+  MaskImages maskImages() {
+    std::set<std::filesystem::path> named;
+    for (const LayerRecipe& layer : recipe_.layers)
+      if (const auto* mask = std::get_if<MaskTexture>(&layer.mask)) named.insert(mask->texture);
+    const std::vector<std::filesystem::path> files(named.begin(), named.end());
+    dependencies_.insert(dependencies_.end(), files.begin(), files.end());
+    return readMasks(files, options_.threads);
   }
 
   // Root-space rest positions of all parts in source order.

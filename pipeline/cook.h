@@ -19,11 +19,21 @@ struct CookOptions {
   std::function<void(const char* stage)> progress = [](const char*) {};
 };
 
+// A texture of the asset, with its error against what it was encoded from as furrow::Texture has it.
+struct TextureReport {
+  std::string set;
+  TextureFormat format = TextureFormat::kRgba8;
+  uint32_t width = 0, height = 0, slices = 0;
+  size_t bytes = 0;
+  float rms_error = 0.0f, largest_error = 0.0f;
+};
+
 struct CookReport {
   uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
            clips = 0;
   double position_error = 0.0;  // root-space units
   double diagonal = 0.0;        // of the rest bounding box
+  std::vector<TextureReport> textures;
   std::vector<std::string> warnings;
 };
 

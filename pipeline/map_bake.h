@@ -13,6 +13,7 @@ struct BakedTextureSet {
   std::vector<uint32_t> parts;  // of the surface
   EncodedTexture normals, shading, masks;
   std::vector<uint32_t> compress_slice, stretch_slice;  // a layer, kAbsent: none
+  std::vector<glm::vec4> windows;                       // a slice, as TextureSet::windows
 };
 
 // Sets for all parts with UVs: by material, materials whose charts share one atlas without overlapping

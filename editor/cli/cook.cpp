@@ -7,6 +7,7 @@
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"
 #include "pipeline/error.h"
+#include "pipeline/maps/encode.h"
 #include "pipeline/pack/output_file.h"
 
 namespace furrow::cli {
@@ -58,6 +59,16 @@ void run(const Options& options) {
   const pipeline::CookReport& report = cooked.report;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!options.report.empty()) {
+    nlohmann::json textures = nlohmann::json::array();
+    for (const pipeline::TextureReport& t : report.textures)
+      textures.push_back({{"set", t.set},
+                          {"format", pipeline::textureFormatName(t.format)},
+                          {"width", t.width},
+                          {"height", t.height},
+                          {"slices", t.slices},
+                          {"bytes", t.bytes},
+                          {"rmsError", t.rms_error},
+                          {"largestError", t.largest_error}});
     const nlohmann::json json = {{"asset", options.out},
                                  {"bytes", cooked.bytes.size()},
                                  {"vertices", report.vertices},
@@ -69,14 +80,20 @@ void run(const Options& options) {
                                  {"clips", report.clips},
                                  {"positionError", report.position_error},
                                  {"diagonal", report.diagonal},
+                                 {"textures", textures},
                                  {"seconds", seconds},
                                  {"warnings", report.warnings}};
     writeText(options.report, json.dump(2) + "\n");
   }
-  if (!options.quiet)
+  if (!options.quiet) {
+    for (const pipeline::TextureReport& t : report.textures)
+      if (t.format == TextureFormat::kBc5)
+        std::fprintf(stderr, "furrow: %s: maps \"%s\": %u x %u x %u, encoding error %.2f degrees rms\n",
+                     options.out.c_str(), t.set.c_str(), t.width, t.height, t.slices, t.rms_error);
     std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
                  options.out.c_str(), report.triangles, report.vertices, report.points, cooked.bytes.size(),
                  seconds);
+  }
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ class Writer {
     std::vector<Offset<format::PaletteEntry>> palette;
     for (const PaletteEntry& entry : in_.scene.rig.palette)
       palette.push_back(format::CreatePaletteEntry(b_, b_.CreateString(in_.scene.rig.nodes[entry.node].name),
-                                                   entry.node, b_.CreateVector(affineRows(entry.inverse_bind))));
+                                                   entry.node,
+                                                   b_.CreateVector(affineRows(entry.inverse_bind))));
     std::vector<Offset<format::Morph>> morphs = writeMorphs();
     std::vector<Offset<format::Layer>> layers;
     for (size_t l = 0; l < in_.layers.size(); ++l) layers.push_back(writeLayer(l));
@@ -48,7 +49,8 @@ class Writer {
     for (const BakedTextureSet& set : in_.texture_sets)
       sets.push_back(format::CreateTextureSet(
           b_, b_.CreateString(set.name), writeTexture(set.normals), writeTexture(set.shading),
-          writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice)));
+          writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice),
+          set.windows.empty() ? 0 : b_.CreateVector(&set.windows[0].x, 4 * set.windows.size())));
     const std::vector<uint16_t> ring_weights = padded(in_.rings.weights);
     const auto vertex_point =
         writeStream(b_, in_.surface.vertex_point.data(), 4, in_.surface.vertex_point.size());
@@ -188,7 +190,9 @@ class Writer {
   Offset<format::Texture> writeTexture(const EncodedTexture& texture) {
     if (texture.slices == 0) return {};
     return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height,
-                                 texture.slices, texture.levels, bytesVector(b_, texture.data));
+                                 texture.slices, texture.levels, bytesVector(b_, texture.data),
+                                 static_cast<float>(texture.rms_error),
+                                 static_cast<float>(texture.largest_error));
   }
 
   const PackInput& in_;

@@ -276,7 +276,14 @@ class Loader {
     for (uint32_t level = 0; level < texture->levels(); ++level)
       bytes += textureLevelBytes(format, w, h, level) * texture->slices();
     if (!texture->data() || texture->data()->size() != bytes) return bad("a texture has the wrong length");
-    out = {format, w, h, texture->slices(), texture->levels(), bytesOf(texture->data())};
+    out = {format,
+           w,
+           h,
+           texture->slices(),
+           texture->levels(),
+           bytesOf(texture->data()),
+           texture->rms_error(),
+           texture->largest_error()};
     return {};
   }
 
@@ -306,6 +313,17 @@ class Loader {
         out.stretch_slice[l] = set->stretch_slice()->Get(l);
         for (uint32_t slice : {out.compress_slice[l], out.stretch_slice[l]})
           if (slice != kAbsent && slice >= out.normals.slices) return bad("a layer's map is out of range");
+      }
+      std::fill(std::begin(out.windows), std::end(out.windows), Float4{0.0f, 0.0f, 1.0f, 1.0f});
+      if (set->windows()) {
+        if (set->windows()->size() != 4 * out.normals.slices) return bad("a texture set has too few windows");
+        for (uint32_t slice = 0; slice < out.normals.slices; ++slice) {
+          const float* w = set->windows()->data() + 4 * slice;
+          for (int c = 0; c < 4; ++c)
+            if (!(w[c] >= (c < 2 ? 0.0f : 1.0f)) || !(w[c] <= (c < 2 ? 1.0f : 1e6f)))
+              return bad("a map's window is out of range");
+          out.windows[slice] = {w[0], w[1], w[2], w[3]};
+        }
       }
       s_.texture_sets.push_back(out);
     }

@@ -243,7 +243,7 @@ void BallAsset::Arrays::makeMaps() {
   }
   normal_maps = pipeline::encode(TextureFormat::kBc5, normal_slices);
   shading_maps = pipeline::encode(TextureFormat::kBc4, shading_slices);
-  mask_maps = pipeline::encode(TextureFormat::kRgba8, {&mask, 1});
+  mask_maps = pipeline::encodeBytes(std::array{pipeline::toBytes(mask)});
   const auto view = [](const pipeline::EncodedTexture& t) {
     return Texture{t.format, t.width, t.height, t.slices, t.levels, t.data};
   };
@@ -253,6 +253,7 @@ void BallAsset::Arrays::makeMaps() {
   texture_set.masks = view(mask_maps);
   std::fill(std::begin(texture_set.compress_slice), std::end(texture_set.compress_slice), kAbsent);
   std::fill(std::begin(texture_set.stretch_slice), std::end(texture_set.stretch_slice), kAbsent);
+  std::fill(std::begin(texture_set.windows), std::end(texture_set.windows), Float4{0, 0, 1, 1});
   texture_set.compress_slice[0] = 0;
   texture_set.compress_slice[1] = 1;
   texture_set.stretch_slice[0] = 2;
