@@ -1,11 +1,14 @@
 #include "pipeline/cook.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <set>
 
+#include "pipeline/bake/response_fit.h"
 #include "pipeline/bake/rings.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/tangents.h"
@@ -30,12 +33,12 @@ class Cook {
 
   Cooked run() {
     check();
-    options_.progress("welding");
+    stage("welding");
     const std::vector<glm::vec3> source_rest = restFloats();
     weld_ = weld(scene_, source_rest);
     packParts();
     makeSurface(source_rest);
-    options_.progress("measuring the animation");
+    stage("measuring the animation");
     const Rings rings = makeRings(surface_);
     Squeeze squeeze;
     if (needsSqueeze()) {
@@ -48,17 +51,20 @@ class Cook {
       squeeze.tensor.assign(surface_.triangles.size(), glm::vec3(0.0f));
       squeeze.peak.assign(surface_.triangles.size(), 0.0f);
     }
-    options_.progress("baking layers");
+    stage("baking layers");
     const MaskImages masks = maskImages();
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, recipe_file_};
     std::vector<BakedLayer> layers;
     for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer));
-    options_.progress("making maps");
+    resolveNames();
+    fitResponses(rings, layers);
+    for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
+    stage("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
     for (uint32_t s = 0; s < sets.size(); ++s)
       for (uint32_t part : sets[s].parts) parts_[part].texture_set = s;
 
-    options_.progress("packing");
+    stage("packing");
     Cooked cooked;
     cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_,
                                place_points_, influences_, position_error_});
@@ -67,6 +73,7 @@ class Cook {
       throw Error(Exit::kBadData, scene_.file.string(),
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
+    endStage();
     report();
     for (const TextureSet& set : loaded.view().texture_sets)
       for (const Texture* texture : {&set.normals, &set.shading, &set.masks})
@@ -74,6 +81,8 @@ class Cook {
           report_.textures.push_back({std::string(set.name), texture->format, texture->width, texture->height,
                                       texture->slices, texture->data.size(), texture->rms_error,
                                       texture->largest_error});
+    report_.bytes = cooked.bytes.size();
+    cooked.recipe = recipe_;
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
@@ -82,6 +91,18 @@ class Cook {
   }
 
  private:
+  void stage(const char* name) {
+    endStage();
+    report_.stages.push_back({name});
+    options_.progress(name);
+  }
+  void endStage() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!report_.stages.empty())
+      report_.stages.back().seconds = std::chrono::duration<double>(now - stage_begin_).count();
+    stage_begin_ = now;
+  }
+
   void warn(std::string text) { report_.warnings.push_back(std::move(text)); }
 
   void check() {
@@ -284,6 +305,61 @@ class Cook {
     for (const glm::dvec3& n : normals) surface_.point_normals.push_back(unit(n, {0, 1, 0}));
   }
 
+  // Names what a layer lies on where the recipe says "all" and every name can stand in a recipe.
+  void resolveNames() {
+    std::vector<std::string> meshes, materials;
+    const auto add = [](std::vector<std::string>& names, const std::string& name) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    };
+    for (const Part& part : scene_.parts) {
+      add(meshes, part.mesh);
+      add(materials, part.material < scene_.materials.size() ? scene_.materials[part.material].name : "");
+    }
+    for (std::vector<std::string>* names : {&meshes, &materials})
+      if (!std::all_of(names->begin(), names->end(), isRecipeText)) names->clear();
+    for (LayerRecipe& layer : recipe_.layers) {
+      if (layer.meshes.empty()) layer.meshes = meshes;
+      if (layer.materials.empty()) layer.materials = materials;
+    }
+  }
+
+  void fitResponses(const Rings& rings, const std::vector<BakedLayer>& layers) {
+    std::vector<size_t> fitted;
+    std::vector<MeasuredLayer> measured;
+    for (size_t l = 0; l < layers.size(); ++l) {
+      report_.layers.push_back({recipe_.layers[l].name, {}, {}});
+      if (!recipe_.layers[l].fit) continue;
+      fitted.push_back(l);
+      measured.push_back({recipe_.layers[l].measure, layers[l].coefficients});
+    }
+    if (!fitted.empty()) {
+      const auto alpha = largestAlpha(scene_, surface_, source_vertex_, rings, measured);
+      for (size_t i = 0; i < fitted.size(); ++i)
+        fitLayer(fitted[i], percentile95(surface_, layers[fitted[i]].covered,
+                                         layers[fitted[i]].field.strength, alpha[i]));
+    }
+    for (size_t l = 0; l < layers.size(); ++l) report_.layers[l].response = recipe_.layers[l].response;
+  }
+
+  void fitLayer(size_t l, double alpha) {
+    constexpr double kNoSqueeze = 1.0001, kShort = 0.01;
+    LayerRecipe& layer = recipe_.layers[l];
+    const double target = *layer.fit;
+    layer.fit.reset();
+    if (alpha < kNoSqueeze)
+      return warn("layer \"" + layer.name + "\": no pose squeezes it, so that its response is not fitted");
+    const ResponseFit fit = fitResponse(alpha, target);
+    layer.response = fit.response;
+    report_.layers[l].fit = {target, alpha, fit.weight};
+    if (fit.weight < target - kShort) {
+      char text[160];
+      std::snprintf(text, sizeof text,
+                    "is squeezed to alpha %.3g only: its weight reaches %.2g instead of %.2g", alpha,
+                    fit.weight, target);
+      warn("layer \"" + layer.name + "\" " + text);
+    }
+  }
+
   void report() {
     report_.vertices = static_cast<uint32_t>(surface_.positions.size());
     report_.triangles = static_cast<uint32_t>(surface_.triangles.size());
@@ -310,10 +386,11 @@ class Cook {
   }
 
   SourceScene scene_;
-  const Recipe& recipe_;
+  Recipe recipe_;
   const CookOptions& options_;
   std::string recipe_file_;
   CookReport report_;
+  std::chrono::steady_clock::time_point stage_begin_;
   Weld weld_;
   Surface surface_;
   std::vector<PackedPart> parts_;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "pipeline/error.h"
+#include "pipeline/legible.h"
 #include "pipeline/maps/authored.h"
 #include "pipeline/maps/synthesis.h"
 #include "pipeline/maps/texel_map.h"
@@ -118,34 +119,15 @@ class MapBake {
   Source prepare(const Map& map, const BakedLayer& layer) const {
     Source source;
     const auto* wanted = std::get_if<MapSynthesized>(&map);
-    const auto* height = std::get_if<MapHeight>(&map);
-    if (!wanted && !height) return source;
-    glm::vec3 lowest(INFINITY), highest(-INFINITY);
-    for (size_t p = 0; p < layer.field.strength.size(); ++p) {
-      if (layer.field.strength[p] < 0.1f) continue;
-      lowest = glm::min(lowest, in_.surface.point_positions[p]);
-      highest = glm::max(highest, in_.surface.point_positions[p]);
-    }
-    if (!(lowest.x <= highest.x)) return source;
-    SynthesisSettings settings;
-    settings.preset = wanted && wanted->preset                        ? *wanted->preset
-                      : in_.squeeze.by_morphs >= in_.squeeze.by_clips ? Preset::kSkin
-                                                                      : Preset::kCloth;
-    const PresetDefaults defaults = defaultsOf(settings.preset);
-    settings.spacing = wanted && wanted->spacing > 0.0
-                           ? wanted->spacing
-                           : defaults.spacing * glm::length(highest - lowest) / kSpacingsAcross;
-    settings.depth = defaults.depth * settings.spacing;
-    if (wanted && wanted->depth > 0.0) settings.depth = wanted->depth;
-    if (height && height->depth > 0.0) settings.depth = height->depth;
-    if (!(settings.spacing > 0.0)) return source;
-    if (wanted) settings.seed = wanted->seed;
-    source.settings = settings;
-    if (wanted) {
-      source.field = std::make_shared<LayerField>(layer.field);
-      deepen(source.field->strength);
-      source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, settings);
-    }
+    if (!wanted || !wanted->preset) return source;
+    source.settings.emplace();
+    source.settings->preset = *wanted->preset;
+    source.settings->spacing = wanted->spacing;
+    source.settings->depth = wanted->depth;
+    source.settings->seed = wanted->seed;
+    source.field = std::make_shared<LayerField>(layer.field);
+    deepen(source.field->strength);
+    source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, *source.settings);
     return source;
   }
 
@@ -317,8 +299,7 @@ class MapBake {
     if (std::holds_alternative<MapNormal>(*pose.map)) {
       maps = mapsFromSlopes(pose.image, texels.grid);
     } else if (const auto* height = std::get_if<MapHeight>(pose.map)) {
-      maps = mapsFromHeights(pose.image, in_.surface, texels,
-                             pose.source->settings ? pose.source->settings->depth : height->depth);
+      maps = mapsFromHeights(pose.image, in_.surface, texels, height->depth);
     } else {
       SynthesizedMaps drawn = pose.source->synthesis->draw(texels, threads_);
       maps = {std::move(drawn.normal), std::move(drawn.shading)};
@@ -390,7 +371,34 @@ class MapBake {
   std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
 };
 
+// Diagonal of what the layer reaches; 0: nothing.
+double reachOf(const Surface& surface, const BakedLayer& layer) {
+  glm::vec3 lowest(INFINITY), highest(-INFINITY);
+  for (size_t p = 0; p < layer.field.strength.size(); ++p) {
+    if (layer.field.strength[p] < 0.1f) continue;
+    lowest = glm::min(lowest, surface.point_positions[p]);
+    highest = glm::max(highest, surface.point_positions[p]);
+  }
+  return lowest.x <= highest.x ? double{glm::length(highest - lowest)} : 0.0;
+}
+
 }  // namespace
+
+void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe) {
+  const double spacing = legible(reachOf(input.surface, layer) / kSpacingsAcross);
+  if (!(spacing > 0.0)) return;
+  const Preset preset = input.squeeze.by_morphs > 0.0 ? Preset::kSkin : Preset::kCloth;
+  for (Map* map : {&recipe.compress, &recipe.stretch}) {
+    if (auto* height = std::get_if<MapHeight>(map); height && height->depth == 0.0)
+      height->depth = legible(spacing * defaultsOf(preset).depth);
+    if (auto* wanted = std::get_if<MapSynthesized>(map)) {
+      if (!wanted->preset) wanted->preset = preset;
+      const PresetDefaults defaults = defaultsOf(*wanted->preset);
+      if (wanted->spacing == 0.0) wanted->spacing = legible(spacing * defaults.spacing);
+      if (wanted->depth == 0.0) wanted->depth = legible(wanted->spacing * defaults.depth);
+    }
+  }
+}
 
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,

@@ -1,7 +1,7 @@
 #pragma once
 
-// The one description of what a recipe may hold. The parser checks recipes against it, and
-// docs/recipe.schema.json is written from it.
+// The one description of what a recipe may hold. The parser checks recipes against it;
+// docs/recipe.schema.json and the tables of docs/recipe.md are written from it.
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -11,6 +11,10 @@
 namespace furrow::pipeline {
 
 struct RecipeKey;
+
+// Bounds that a reader need not be told of.
+inline constexpr double kLength = 1e9;   // of the scene's unit
+inline constexpr double kMany = 100000;  // items of a list
 
 // What one value of a recipe may be.
 struct RecipeShape {
@@ -47,6 +51,9 @@ struct RecipeKey {
 
 const RecipeShape& recipeShape();
 
+// What to give where `shape` is asked for, in words.
+std::string describe(const RecipeShape& shape);
+
 // Throws Error (kBadData), whose message names `file` and the path of the key at fault, such as
 // layers[0].response.beta.
 void checkRecipe(const nlohmann::json& recipe, const std::filesystem::path& file);
@@ -56,5 +63,8 @@ std::filesystem::path recipePath(const std::filesystem::path& file, const std::s
 
 // docs/recipe.schema.json, a JSON Schema (draft 7).
 std::string recipeSchemaText();
+
+// The tables of all keys in docs/recipe.md.
+std::string recipeTablesText();
 
 }  // namespace furrow::pipeline

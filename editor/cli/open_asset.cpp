@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -46,7 +47,9 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   if (looksLikeAsset(file)) {
     bytes = readFile(file);
   } else {
-    bytes = cookFile(file, {}, {}, false).bytes;
+    pipeline::Cooked cooked = cookFile(file, {}, {}, false);
+    bytes = std::move(cooked.bytes);
+    opened.warnings = std::move(cooked.report.warnings);
     opened.cooked_here = true;
   }
   opened.bytes = bytes.size();
@@ -83,14 +86,19 @@ pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesy
   pipeline::Cooked cooked;
   {
     const ClearLine clear{terminal};
+    const auto begin = std::chrono::steady_clock::now();
     pipeline::SourceScene scene = pipeline::import(source);
+    const std::chrono::duration<double> importing = std::chrono::steady_clock::now() - begin;
     cooked = pipeline::cook(
         std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);
+    cooked.report.stages.insert(cooked.report.stages.begin(), {"importing", importing.count()});
   }
-  if (!quiet)
-    for (const std::string& warning : cooked.report.warnings)
-      std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
   return cooked;
+}
+
+void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
 }
 
 }  // namespace furrow::cli

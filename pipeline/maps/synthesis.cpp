@@ -21,16 +21,31 @@ constexpr float kBroken = 0.35f,
                     0.8f;  // coherence of the waves where lines end, and from which they are at full depth
 
 Irregularity irregularityOf(Preset preset) {
-  if (preset == Preset::kSkin) {
-    return {.sway = 0.45,
-            .sway_length = 5.0,
-            .line = 0.5,
-            .line_steps = 48,
-            .shallowest = 0.06,
-            .ending = 0.15,
-            .minor = 0.45};
+  switch (preset) {
+    case Preset::kSkin:
+      return {.sway = 0.45,
+              .sway_length = 5.0,
+              .line = 0.5,
+              .line_steps = 48,
+              .shallowest = 0.06,
+              .ending = 0.15,
+              .minor = 0.45};
+    case Preset::kSkinFine:  // short lines that waver, nearly all with a finer one beside them
+      return {.sway = 0.6,
+              .sway_length = 2.5,
+              .line = 0.5,
+              .line_steps = 10,
+              .shallowest = 0.1,
+              .ending = 0.25,
+              .minor = 0.9};
+    case Preset::kCloth:
+      return {
+          .sway = 0.7, .sway_length = 6.0, .line = 0.0, .line_steps = 16, .shallowest = 0.05, .ending = 0.2};
+    case Preset::kClothPuckers:  // bulges that end after a few spacings
+      return {
+          .sway = 0.35, .sway_length = 3.0, .line = 0.0, .line_steps = 4, .shallowest = 0.0, .ending = 0.3};
   }
-  return {.sway = 0.7, .sway_length = 6.0, .line = 0.0, .line_steps = 16, .shallowest = 0.05, .ending = 0.2};
+  return {};
 }
 
 // A value over the surface and its gradient.

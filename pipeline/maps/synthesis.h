@@ -13,7 +13,7 @@ namespace furrow::pipeline {
 
 enum class Preset {
   kSkin,          // lines of expression: narrow valleys between wide ridges
-  kSkinFine,      // fine lines: shallow, short and crossing one another
+  kSkinFine,      // fine lines: shallow, short and wavering
   kCloth,         // folds: round
   kClothPuckers,  // short bulges, as along a seam
 };

@@ -122,7 +122,7 @@ TEST_F(BadInput, RequiredExtensionNobodyKnows) {
 }
 
 TEST_F(BadInput, RecipeThatIsMissing) {
-  expectRefused(cook(write("sheet.glb", sheet()), {"--recipe", folder() / "none.json"}), 3, "none.json");
+  expectRefused(cook(write("sheet.glb", sheet()), {"--recipe", folder() / "none.json"}), 1, "none.json");
 }
 TEST_F(BadInput, RecipeThatIsNoJson) {
   expectBadRecipe(sheet(), "", "recipe.json");
@@ -142,6 +142,25 @@ TEST_F(BadInput, RecipeNamingATextureThatIsNone) {
   write("words.png", "no picture");
   expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"texture": "words.png", "channel": "r"}}]})",
                   "words.png");
+}
+TEST_F(BadInput, TheModuleForImagesIsMissing) {
+  namespace fs = std::filesystem;
+  const fs::path built = fs::path(FURROW_TOOL).parent_path(), tool = folder() / "bin/furrow";
+  fs::create_directories(folder() / "bin");
+  fs::copy_file(FURROW_TOOL, tool);
+  write("words.png", "no picture");
+  const std::vector<std::string> cook = {
+      "cook",
+      write("sheet.glb", sheet()),
+      "-o",
+      output() / "out.furrow",
+      "--recipe",
+      write("recipe.json",
+            R"({"layers": [{"name": "a", "mask": {"texture": "words.png", "channel": "r"}}]})")};
+  expectRefused(run(cook, tool), 3, "bin/furrow_images.so");
+  fs::create_directories(folder() / "lib/furrow");
+  fs::copy_file(built / "furrow_images.so", folder() / "lib/furrow/furrow_images.so");
+  expectRefused(run(cook, tool), 1, "words.png");
 }
 TEST_F(BadInput, RecipeNamingAMeshOrAttributeThatIsNone) {
   expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "meshes": ["Nose"]}]})", "Nose");
@@ -253,6 +272,9 @@ TEST_F(BadInput, Usage) {
       {"eval", asset, "--backend", "abacus"},
       {"render", asset, "-o", output() / "out.png", "--size", "0x10"},
       {"render", asset, "-o", output() / "out.png", "--size", "big"},
+      // Before the asset is opened.
+      {"eval", folder() / "missing.furrow", "--morph", "nonsense"},
+      {"render", folder() / "missing.furrow", "-o", output() / "out.png", "--region", "=1"},
   };
   forEachInParallel(commands.size(), [&](size_t i) {
     std::string text = "furrow";
@@ -266,7 +288,16 @@ TEST_F(BadInput, Usage) {
 TEST_F(BadInput, ABackendThatIsNotThere) {
   const std::string asset = folder() / "sheet.furrow";
   ASSERT_EQ(run({"cook", write("sheet.glb", sheet()), "-o", asset, "--quiet"}).status, 0);
-  expectRefused(run({"eval", asset, "--backend", "gpu-raster", "-o", output() / "out.csv"}), 3, "gpu-raster");
+  for (const std::string& file : {asset, std::string(folder() / "missing.furrow")})
+    expectRefused(run({"eval", file, "--backend", "gpu-raster", "-o", output() / "out.csv"}), 3,
+                  "gpu-raster");
+}
+
+TEST_F(BadInput, AFaultStandsWithoutTheWarningsOfTheCook) {
+  const std::filesystem::path source = write("sheet.glb", sheet());
+  EXPECT_NE(run({"check", source}).err.find("warning: a mesh has no UVs"), std::string::npos);
+  expectOneLine(run({"eval", source, "--backend", "cpu", "--clip", "walk"}), 2, source);
+  expectRefused(run({"cook", source, "-o", folder() / "nowhere/out.furrow"}), 3, "out.furrow");
 }
 
 TEST_F(BadInput, HelpAndVersion) {

@@ -60,6 +60,7 @@ struct Sheet {
     MapSynthesized map;
     map.preset = Preset::kSkin;
     map.spacing = spacing;
+    map.depth = spacing / 8.0;
     layer.compress = map;
     recipe.layers.push_back(layer);
     BakedLayer baked;
