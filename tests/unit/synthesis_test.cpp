@@ -61,13 +61,15 @@ double period(const Image& height, bool along_x) {
 }
 
 class Presets : public testing::TestWithParam<Preset> {};
+std::string nameOf(const testing::TestParamInfo<Preset>& preset) {
+  const std::vector<std::string> names = {"skin", "skin_fine", "cloth", "cloth_puckers"};
+  return names.at(static_cast<size_t>(preset.param));
+}
+
 INSTANTIATE_TEST_SUITE_P(, Presets,
                          testing::Values(Preset::kSkin, Preset::kSkinFine, Preset::kCloth,
                                          Preset::kClothPuckers),
-                         [](const testing::TestParamInfo<Preset>& info) {
-                           constexpr const char* kNames[] = {"skin", "skin_fine", "cloth", "cloth_puckers"};
-                           return std::string(kNames[static_cast<size_t>(info.param)]);
-                         });
+                         nameOf);
 
 TEST_P(Presets, RidgesLieAcrossTheDirectionAtTheirSpacing) {
   const Surface surface = sheet();
