@@ -69,6 +69,7 @@ class Cook {
     endStage();
     report();
     report_.bytes = cooked.bytes.size();
+    report_.morph_error = double{loaded.view().morph_error};
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);

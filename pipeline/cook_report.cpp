@@ -22,6 +22,7 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"morphTargets", report.morphs},
                     {"clips", report.clips},
                     {"positionError", report.position_error},
+                    {"morphError", report.morph_error},
                     {"diagonal", report.diagonal},
                     {"seconds", seconds},
                     {"stages", stages},
