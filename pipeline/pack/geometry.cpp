@@ -121,13 +121,13 @@ bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int met
     const std::vector<uint32_t> values = std::exchange(source.values, {});
     attribute->buffer()->Write(0, values.data(), 4 * values.size());
     attribute->set_unique_id(static_cast<uint32_t>(source.semantic));
-    // Seams share positions, so that the connectivity is that of the closed surface.
-    if (source.semantic == format::Semantic::Position) attribute->DeduplicateValues(*attribute);
   }
   for (size_t i = 0; i < indices.size(); i += 3)
     mesh.AddFace({draco::PointIndex(indices[i]), draco::PointIndex(indices[i + 1]),
                   draco::PointIndex(indices[i + 2])});
   draco::Encoder encoder;
+  // One connectivity for all attributes: two thirds of the memory and a few percent more bytes.
+  encoder.options().SetGlobalBool("split_mesh_on_seams", true);
   encoder.SetSpeedOptions(kDracoSpeed, kDracoSpeed);
   encoder.SetEncodingMethod(method);
   encoder.SetTrackEncodedProperties(true);
