@@ -39,7 +39,8 @@ struct TextureReport {
 struct CookReport {
   uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
            clips = 0;
-  double position_error = 0.0;  // root-space units
+  double position_error = 0.0;  // of a vertex at rest, root-space units
+  double morph_error = 0.0;     // of a displacement by a morph target at weight 1
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
   std::vector<LayerReport> layers;

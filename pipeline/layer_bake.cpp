@@ -238,7 +238,7 @@ BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe) {
 
 std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze) {
   std::vector<float> peaks(surface.point_positions.size(), 0.0f);
-  for (size_t t = 0; t < surface.triangles.size(); ++t) {
+  for (size_t t = 0; t < squeeze.peak.size(); ++t) {
     const glm::uvec3 p = surface.trianglePoints(t);
     for (int c = 0; c < 3; ++c) peaks[p[c]] = std::max(peaks[p[c]], squeeze.peak[t]);
   }

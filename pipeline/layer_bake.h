@@ -33,7 +33,7 @@ struct LayerInput {
 // (checkMask()) or is empty or constant on the layer's meshes.
 BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe);
 
-// Per point, the largest squeeze of its triangles.
+// Per point, the largest squeeze of its triangles; 0 where none was measured.
 std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze);
 
 }  // namespace furrow::pipeline
