@@ -11,7 +11,7 @@
 #include <span>
 
 #include "pipeline/bake/response_fit.h"
-#include "pipeline/bake/rings.h"
+#include "pipeline/bake/rest_view.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/tangents.h"
 #include "pipeline/bake/weld.h"
@@ -52,9 +52,10 @@ class Cook {
     weld_ = weld(scene_, source_rest);
     stage("packing geometry");
     packParts();
-    makeSurface(std::move(source_rest));
+    makeSurface(source_rest);
+    release(source_rest);
     stage("measuring the animation");
-    Rings rings = makeRings(surface_);
+    Rings rings = makeRings(restView(surface_));
     Squeeze squeeze;
     if (needsSqueeze()) {
       squeeze = measureSqueeze(scene_, surface_, source_vertex_);
@@ -78,7 +79,7 @@ class Cook {
 
     stage("packing");
     Cooked cooked;
-    cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_,
+    cooked.bytes = writeAsset({scene_, surface_, weld_, recipe_, layers, sets, parts_, source_vertex_,
                                place_points_, influences_, position_error_});
     report();
     release(rings, squeeze, layers, sets, surface_, parts_, weld_, source_vertex_, scene_.primitives);
@@ -231,11 +232,10 @@ class Cook {
     }
   }
 
-  void makeSurface(std::vector<glm::vec3> source_rest) {
-    const std::vector<glm::vec3> rest = restFloats();
-    for (size_t v = 0; v < rest.size(); ++v)
-      position_error_ = std::max(position_error_, double{glm::distance(rest[v], source_rest[v])});
-    release(source_rest);
+  void makeSurface(const std::vector<glm::vec3>& source_rest) {
+    // At rest in the bind pose, what the loader makes of the part's matrix as it is stored.
+    const bool bind = std::holds_alternative<RestBind>(recipe_.rest);
+    const std::vector<glm::vec3> rest = bind ? std::vector<glm::vec3>() : restFloats();
 
     std::vector<uint32_t> source_point;
     for (uint32_t i = 0; i < scene_.parts.size(); ++i) {
@@ -250,6 +250,8 @@ class Cook {
       const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                 glm::cross(linear[0], linear[1]));
       const double hand = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
+      Affine to_root;
+      std::ranges::copy(affineRows(span.rest), to_root.m);
       for (size_t v = 0; v < geometry.positions.size(); ++v) {
         const uint32_t source = span.vertex_begin + geometry.source[v];
         const Float3 n = geometry.normals[v];
@@ -260,7 +262,10 @@ class Cook {
             unit(along - glm::dot(along, glm::dvec3(normal)) * glm::dvec3(normal), {1, 0, 0});
         source_vertex_.push_back(source);
         source_point.push_back(weld_.vertex_point[source]);
-        surface_.positions.push_back(rest[source]);
+        const Float3 p = transformed(to_root, geometry.positions[v]);
+        surface_.positions.push_back(bind ? glm::vec3(p.x, p.y, p.z) : rest[source]);
+        position_error_ =
+            std::max(position_error_, double{glm::distance(surface_.positions.back(), source_rest[source])});
         surface_.normals.push_back(normal);
         surface_.tangents.push_back(glm::vec4(tangent, static_cast<float>(hand) * t.w));
         surface_.uvs.push_back(glm::vec2(geometry.uvs[v].x, geometry.uvs[v].y));
@@ -310,7 +315,6 @@ class Cook {
 
   void pointGeometry() {
     surface_.point_positions.assign(weld_.points, glm::vec3(0.0f));
-    std::vector<glm::dvec3> normals(weld_.points, glm::dvec3(0.0));
     std::vector<bool> seen(weld_.points);
     for (size_t v = 0; v < surface_.positions.size(); ++v) {
       const uint32_t p = surface_.vertex_point[v];
@@ -318,14 +322,8 @@ class Cook {
         surface_.point_positions[p] = surface_.positions[v];  // the vertex that stands for the point
       seen[p] = true;
     }
-    for (size_t t = 0; t < surface_.triangles.size(); ++t) {
-      const glm::uvec3 p = surface_.trianglePoints(t);
-      const glm::dvec3 a = surface_.point_positions[p.x];
-      const glm::dvec3 n = glm::cross(glm::dvec3(surface_.point_positions[p.y]) - a,
-                                      glm::dvec3(surface_.point_positions[p.z]) - a);
-      for (int c = 0; c < 3; ++c) normals[p[c]] += n;
-    }
-    for (const glm::dvec3& n : normals) surface_.point_normals.push_back(unit(n, {0, 1, 0}));
+    for (const Float3& n : pointNormals(restView(surface_)))
+      surface_.point_normals.push_back({n.x, n.y, n.z});
   }
 
   // Names what a layer lies on where the recipe says "all" and every name can stand in a recipe.
@@ -398,7 +396,7 @@ class Cook {
     }
     report_.diagonal = glm::distance(lowest, highest);
     for (size_t t = 0; t < surface_.triangles.size(); ++t)
-      report_.degenerate_triangles += isDegenerate(surface_, t);
+      report_.degenerate_triangles += isDegenerate(restView(surface_), t);
     if (report_.degenerate_triangles > 0)
       warn(std::to_string(report_.degenerate_triangles) + " of " + std::to_string(report_.triangles) +
            " triangles have no area and are in no ring");

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "pipeline/bake/coefficients.h"
+#include "direction_codec.h"
 #include "pipeline/bake/directions.h"
+#include "pipeline/bake/rest_view.h"
 #include "pipeline/error.h"
 #include "pipeline/scene/rest.h"
 
@@ -41,7 +42,7 @@ class LayerBake {
     direct();
     mask();
     bias();
-    out_.coefficients = makeCoefficients(in_.surface, recipe_.measure, out_.field.direction, out_.covered);
+    measure();
     return std::move(out_);
   }
 
@@ -83,6 +84,7 @@ class LayerBake {
       const Part& part = in_.scene.parts[span.source_part];
       if (!has(recipe_.meshes, part.mesh) || !has(recipe_.materials, materialOf(part))) continue;
       covered_part_[i] = true;
+      out_.parts.push_back(static_cast<uint32_t>(i));
       std::fill(out_.covered.begin() + span.triangle_begin, out_.covered.begin() + span.triangle_end, true);
       for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
         covered_point_[in_.surface.vertex_point[v]] = true;
@@ -221,6 +223,20 @@ class LayerBake {
           std::abs(c - neutral) <= 1.0f / 255.0f ? 0.0f : std::clamp(2.0f * (c - neutral), -1.0f, 1.0f));
     }
     out_.bias = pointMean(values);
+  }
+
+  void measure() {
+    if (recipe_.measure == Measure::kNone) return;
+    const std::span<const Float3> normals = asFloat3(in_.surface.point_normals);
+    const std::vector<PackedDirection> packed =
+        packDirections(normals, asFloat3(out_.field.direction), out_.field.confidence);
+    const auto bytes = std::as_bytes(std::span(packed));
+    out_.directions.assign(bytes.begin(), bytes.end());
+    out_.coefficients.resize(coefficientCount(recipe_.measure) * in_.surface.triangles.size());
+    for (uint32_t part : out_.parts)
+      makeCoefficients(restView(in_.surface), recipe_.measure, unpackDirections(normals, packed),
+                       in_.surface.parts[part].triangle_begin, in_.surface.parts[part].triangle_end,
+                       out_.coefficients);
   }
 
   const LayerInput& in_;

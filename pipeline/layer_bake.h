@@ -2,6 +2,7 @@
 
 // What one layer of a recipe comes to on a surface.
 
+#include <cstddef>
 #include <set>
 #include <vector>
 
@@ -14,10 +15,12 @@
 namespace furrow::pipeline {
 
 struct BakedLayer {
-  LayerField field;                 // direction, confidence and mask, a point
-  std::vector<bool> covered;        // a triangle
-  std::vector<float> coefficients;  // the layer's measure
-  std::vector<float> bias;          // a point; empty: none
+  LayerField field;                   // direction, confidence and mask, a point
+  std::vector<bool> covered;          // a triangle
+  std::vector<uint32_t> parts;        // of the surface, that it covers
+  std::vector<std::byte> directions;  // as the asset holds them; empty for a layer without measure
+  std::vector<float> coefficients;    // as the loader works them out
+  std::vector<float> bias;            // a point; empty: none
 };
 
 struct LayerInput {

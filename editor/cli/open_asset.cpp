@@ -57,13 +57,12 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
     throw Error(Exit::kBadData, file.string(), status.message,
                 "cook it again from its source with 'furrow cook'");
   try {
-    opened.rig = pipeline::readRig(opened.asset.view().rig);
+    opened.rig = pipeline::readRig(opened.asset.view());
   } catch (const std::exception& error) {
     throw Error(Exit::kBadData, file.string(), error.what(),
                 "cook it again from its source with 'furrow cook'");
   }
-  if (opened.rig.palette.size() != opened.asset.view().palette.size() ||
-      opened.rig.morphs.size() != opened.asset.view().morphs.size())
+  if (opened.rig.morphs.size() != opened.asset.view().morphs.size())
     throw Error(Exit::kBadData, file.string(), "its rig does not fit its geometry",
                 "cook it again from its source with 'furrow cook'");
   return opened;

@@ -7,6 +7,7 @@
 
 #include "furrow/jobs.h"
 #include "pipeline/legible.h"
+#include "rest_surface.h"
 
 namespace furrow::pipeline {
 namespace {

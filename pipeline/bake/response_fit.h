@@ -8,7 +8,10 @@
 
 #include "furrow/asset.h"
 #include "pipeline/bake/poses.h"
-#include "pipeline/bake/rings.h"
+
+namespace furrow {
+struct Rings;
+}
 
 namespace furrow::pipeline {
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "pipeline/bake/poses.h"
-#include "pipeline/bake/rings.h"
+#include "pipeline/bake/rest_view.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -21,7 +21,7 @@ class Meter {
       const glm::uvec3 corners = surface.triangles[t];
       const TriangleFrame frame = triangleFrame(surface.positions[corners.x], surface.positions[corners.y],
                                                 surface.positions[corners.z]);
-      if (frame.e1x * frame.e2y > 0.0 && !isDegenerate(surface, t))
+      if (frame.e1x * frame.e2y > 0.0 && !isDegenerate(restView(surface), t))
         rest_[t] = {static_cast<float>(frame.e1x), static_cast<float>(frame.e2x),
                     static_cast<float>(frame.e2y)};
     }

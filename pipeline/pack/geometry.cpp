@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "rest_surface.h"
+
 namespace furrow::pipeline {
 namespace {
 
@@ -76,11 +78,12 @@ void packSkin(const Primitive& primitive, PackedPart& part) {
   const uint32_t most = std::max(1u, primitive.influences);
   uint32_t used = 1;
   std::vector<uint16_t> shares(size_t{part.vertices} * most, 0);
-  std::vector<double> parts_of_one(most, 0.0);
+  std::vector<float> parts_of_one(most, 0.0f);
+  UnitShares unit_shares;
   for (size_t v = 0; v < part.vertices; ++v) {
     for (uint32_t k = 0; k < primitive.influences; ++k) parts_of_one[k] = primitive.weights[v * most + k];
-    if (primitive.influences == 0) parts_of_one[0] = 1.0;
-    quantizeUnitSum(parts_of_one, {&shares[v * most], most});
+    if (primitive.influences == 0) parts_of_one[0] = 1.0f;
+    unit_shares(parts_of_one, {&shares[v * most], most});
     used = std::max(used,
                     static_cast<uint32_t>(most - std::count(&shares[v * most], &shares[v * most] + most, 0)));
   }
@@ -243,22 +246,6 @@ flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& 
   }
   return format::CreateStream(builder, codec, stride, static_cast<uint32_t>(count),
                               builder.CreateVector(bytes));
-}
-
-void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out) {
-  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  std::vector<std::pair<double, size_t>> remainders;
-  remainders.reserve(values.size());
-  uint32_t left = 65535;
-  for (size_t i = 0; i < values.size(); ++i) {
-    const double share = 65535.0 * (sum > 0.0 ? values[i] / sum : 1.0 / static_cast<double>(values.size()));
-    out[i] = static_cast<uint16_t>(std::min(share, static_cast<double>(left)));
-    left -= out[i];
-    remainders.push_back({static_cast<double>(out[i]) - share, i});
-  }
-  std::sort(remainders.begin(), remainders.end());
-  for (size_t i = 0; left > 0 && !remainders.empty(); i = (i + 1) % remainders.size(), --left)
-    ++out[remainders[i].second];
 }
 
 }  // namespace furrow::pipeline

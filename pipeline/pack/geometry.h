@@ -61,8 +61,4 @@ flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& 
                                                 uint32_t stride, size_t count,
                                                 format::Codec codec = format::Codec::MeshoptVertex);
 
-// Shares of the values' sum as unorm16 that sum to exactly 65535 (largest remainder); equal shares where the
-// sum is 0.
-void quantizeUnitSum(std::span<const double> values, std::span<uint16_t> out);
-
 }  // namespace furrow::pipeline

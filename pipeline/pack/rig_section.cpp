@@ -45,10 +45,7 @@ void require(bool sound) {
 }  // namespace
 
 std::vector<std::byte> writeRig(const Rig& rig) {
-  json out = {{"nodes", json::array()},
-              {"palette", json::array()},
-              {"morphs", json::array()},
-              {"clips", json::array()}};
+  json out = {{"nodes", json::array()}, {"morphs", json::array()}, {"clips", json::array()}};
   for (const Node& n : rig.nodes) {
     json node = {{"name", n.name}, {"parent", n.parent}};
     if (n.has_matrix) {
@@ -60,8 +57,6 @@ std::vector<std::byte> writeRig(const Rig& rig) {
     }
     out["nodes"].push_back(std::move(node));
   }
-  for (const PaletteEntry& entry : rig.palette)
-    out["palette"].push_back({{"node", entry.node}, {"ibm", doubles(entry.inverse_bind)}});
   for (const MorphTarget& m : rig.morphs)
     out["morphs"].push_back(
         {{"name", m.name}, {"node", m.node}, {"index", m.index}, {"weight", m.default_weight}});
@@ -81,9 +76,9 @@ std::vector<std::byte> writeRig(const Rig& rig) {
   return section;
 }
 
-Rig readRig(std::span<const std::byte> section) try {
-  const auto* bytes = reinterpret_cast<const uint8_t*>(section.data());
-  const json in = json::from_cbor(bytes, bytes + section.size());
+Rig readRig(const AssetView& asset) try {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(asset.rig.data());
+  const json in = json::from_cbor(bytes, bytes + asset.rig.size());
   Rig rig;
   for (const json& n : in.at("nodes")) {
     Node& node = rig.nodes.emplace_back();
@@ -104,11 +99,13 @@ Rig readRig(std::span<const std::byte> section) try {
     for (uint32_t p = node.parent; p != kNoIndex; p = rig.nodes[p].parent)
       require(p < rig.nodes.size() && ++steps <= rig.nodes.size());
   }
-  for (const json& p : in.at("palette")) {
+  for (const furrow::PaletteEntry& stored : asset.palette) {
     PaletteEntry& entry = rig.palette.emplace_back();
-    entry.node = p.at("node").get<uint32_t>();
+    entry.node = stored.node_index;
     require(entry.node < rig.nodes.size());
-    fill(p.at("ibm"), entry.inverse_bind);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column)
+        entry.inverse_bind[column][row] = double{stored.inverse_bind.m[4 * row + column]};
   }
   std::vector<size_t> targets(rig.nodes.size());
   for (const json& m : in.at("morphs")) {

@@ -3,7 +3,7 @@
 // The rig as a section of the asset, for the tools that play clips (CBOR).
 
 #include <cstddef>
-#include <span>
+#include "furrow/asset.h"
 #include <vector>
 
 #include "pipeline/scene/rig.h"
@@ -13,6 +13,6 @@ namespace furrow::pipeline {
 std::vector<std::byte> writeRig(const Rig& rig);
 
 // Throws std::runtime_error where the section is not sound.
-Rig readRig(std::span<const std::byte> section);
+Rig readRig(const AssetView& asset);
 
 }  // namespace furrow::pipeline

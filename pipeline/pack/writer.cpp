@@ -52,20 +52,18 @@ class Writer {
           b_, b_.CreateString(set.name), writeTexture(set.normals), writeTexture(set.shading),
           writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice),
           set.windows.empty() ? 0 : b_.CreateVector(&set.windows[0].x, 4 * set.windows.size())));
-    const std::vector<uint16_t> ring_weights = padded(in_.rings.weights);
     const auto vertex_point =
         writeStream(b_, in_.surface.vertex_point.data(), 4, in_.surface.vertex_point.size());
-    const auto ring_offsets = writeStream(b_, in_.rings.offsets.data(), 4, in_.rings.offsets.size());
-    const auto ring_triangles = writeStream(b_, in_.rings.triangles.data(), 4, in_.rings.triangles.size(),
-                                            format::Codec::MeshoptSequence);
-    const auto weights = writeStream(b_, ring_weights.data(), 4, ring_weights.size() / 2);
+    const auto rest = std::holds_alternative<RestBind>(in_.recipe.rest)
+                          ? Offset<format::Stream>()
+                          : streamOf(in_.surface.point_positions, sizeof(glm::vec3));
     const auto place_points = writeStream(b_, in_.place_points.data(), 8, in_.place_points.size());
     const auto asset = format::CreateAsset(
         b_, b_.CreateString(FURROW_VERSION), b_.CreateString(in_.scene.file.filename().string()),
         in_.influences, static_cast<float>(in_.position_error), b_.CreateVector(parts),
         b_.CreateVector(palette), b_.CreateVector(morphs), b_.CreateVector(layers), b_.CreateVector(sets),
-        static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, ring_offsets, ring_triangles,
-        weights, bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)),
+        static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, rest,
+        bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)),
         static_cast<float>(morph_error_));
     format::FinishAssetBuffer(b_, asset);
 
@@ -113,19 +111,12 @@ class Writer {
       if (!bias.empty())
         bias[v] = static_cast<int16_t>(std::lround(std::clamp(layer.bias[p], -1.0f, 1.0f) * 32767.0f));
     }
-    std::vector<int8_t> directions;
-    if (recipe.measure != Measure::kNone)
-      for (size_t p = 0; p < layer.field.direction.size(); ++p) {
-        for (int c = 0; c < 3; ++c)
-          directions.push_back(static_cast<int8_t>(std::lround(layer.field.direction[p][c] * 127.0f)));
-        directions.push_back(
-            static_cast<int8_t>(std::lround(std::clamp(layer.field.confidence[p], 0.0f, 1.0f) * 127.0f)));
-      }
-    const auto coefficients =
-        streamOf(layer.coefficients, 4 * std::max(1u, coefficientCount(recipe.measure)));
+    const auto parts = layer.parts.size() == in_.surface.parts.size()
+                           ? Offset<flatbuffers::Vector<uint32_t>>()
+                           : b_.CreateVector(layer.parts);
     const auto bias_stream = streamOf(padded(bias), 4);
     const auto mask_stream = full ? Offset<format::Stream>() : streamOf(padded(mask), 4);
-    const auto direction_stream = streamOf(directions, 4);
+    const auto direction_stream = streamOf(layer.directions, 4);
     std::vector<Offset<format::Driver>> drivers;
     for (const DriverRecipe& driver : recipe.drivers)
       for (size_t m = 0; m < in_.scene.rig.morphs.size(); ++m)
@@ -137,7 +128,7 @@ class Writer {
     return format::CreateLayer(b_, b_.CreateString(recipe.name), static_cast<uint8_t>(recipe.measure),
                                static_cast<uint8_t>(recipe.response.curve), recipe.response.lambda,
                                recipe.response.beta, recipe.response.stretch_lambda,
-                               recipe.response.stretch_beta, coefficients, bias_stream, mask_stream,
+                               recipe.response.stretch_beta, parts, bias_stream, mask_stream,
                                direction_stream, static_cast<uint32_t>(index), b_.CreateVector(drivers));
   }
 

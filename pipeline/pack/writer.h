@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/bake/rings.h"
 #include "pipeline/bake/weld.h"
 #include "pipeline/layer_bake.h"
 #include "pipeline/map_bake.h"
@@ -18,7 +17,6 @@ struct PackInput {
   const SourceScene& scene;
   const Surface& surface;
   const Weld& weld;
-  const Rings& rings;
   const Recipe& recipe;
   const std::vector<BakedLayer>& layers;
   const std::vector<BakedTextureSet>& texture_sets;

@@ -11,18 +11,19 @@
 #include <vector>
 
 #include "asset_header.h"
+#include "direction_codec.h"
 #include "furrow_generated.h"
 #include "morph_codec.h"
 #include "part_geometry.h"
+#include "rest_surface.h"
 
 namespace furrow {
 
 struct Asset::Storage {
   std::vector<std::byte> payload;
   PartGeometry geometry;  // of all parts, indices and joints absolute
-  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, ring_offsets, ring_triangles,
-      morph_entries, place_points;
-  std::vector<uint16_t> ring_weights;
+  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, morph_entries, place_points;
+  Rings rings;
   std::vector<Part> parts;
   std::vector<PaletteEntry> palette;
   std::vector<Morph> morphs;
@@ -90,7 +91,7 @@ class Loader {
   Loader(Asset::Storage& storage, const format::Asset& asset) : s_(storage), a_(asset) {}
 
   Status load() {
-    for (const auto step : {&Loader::loadParts, &Loader::loadPalette, &Loader::loadPoints,
+    for (const auto step : {&Loader::loadParts, &Loader::loadPalette, &Loader::loadPoints, &Loader::loadRest,
                             &Loader::loadMorphs, &Loader::loadTextures, &Loader::loadLayers})
       if (Status status = (this->*step)(); !status.ok()) return status;
     return {};
@@ -171,26 +172,6 @@ class Loader {
     for (size_t i = 0; i < s_.surface_indices.size(); ++i)
       s_.surface_indices[i] = s_.point_vertex[s_.vertex_point[s_.geometry.indices[i]]];
 
-    if (Status status = decode<uint32_t>(a_.ring_offsets(), 1, points() + 1, s_.ring_offsets); !status.ok())
-      return status;
-    const uint32_t entries = s_.ring_offsets.back();
-    if (s_.ring_offsets.front() != 0 || !std::is_sorted(s_.ring_offsets.begin(), s_.ring_offsets.end()) ||
-        entries > 3 * triangles())
-      return bad("its rings are not sound");
-    if (Status status = decode<uint32_t>(a_.ring_triangles(), 1, entries, s_.ring_triangles); !status.ok())
-      return status;
-    if (Status status = decode<uint16_t>(a_.ring_weights(), 2, (size_t{entries} + 1) / 2, s_.ring_weights);
-        !status.ok())
-      return status;
-    s_.ring_weights.resize(entries);
-    for (uint32_t triangle : s_.ring_triangles)
-      if (triangle >= triangles()) return bad("a ring's triangle is out of range");
-    for (size_t p = 0; p < points(); ++p) {
-      uint32_t sum = 0;
-      for (uint32_t i = s_.ring_offsets[p]; i < s_.ring_offsets[p + 1]; ++i) sum += s_.ring_weights[i];
-      if (sum != 65535 && s_.ring_offsets[p] != s_.ring_offsets[p + 1])
-        return bad("a ring's weights do not sum to one");
-    }
     const size_t places = streamCount(a_.place_points());
     if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok())
       return status;
@@ -199,6 +180,33 @@ class Loader {
         return bad("a place's points are out of range");
     return {};
   }
+
+  // Where the points rest, and what follows from that.
+  Status loadRest() {
+    if (streamCount(a_.rest()) > 0) {
+      rest_points_.resize(points());
+      if (Status status = decodeStream(a_.rest(), sizeof(Float3), points(), rest_points_.data());
+          !status.ok())
+        return status;
+    } else {
+      rest_points_.reserve(points());
+      auto part = s_.parts.begin();
+      for (uint32_t v : s_.point_vertex) {
+        if (v < part->vertex_begin || v >= part->vertex_end)
+          part = std::upper_bound(s_.parts.begin(), s_.parts.end(), v,
+                                  [](uint32_t vertex, const Part& each) { return vertex < each.vertex_end; });
+        rest_points_.push_back(transformed(part->rest, s_.geometry.positions[v]));
+      }
+    }
+    for (const Float3& p : rest_points_)
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        return bad("a point rests nowhere");
+    s_.rings = makeRings(restSurface());
+    point_normals_ = pointNormals(restSurface());
+    return {};
+  }
+
+  RestSurface restSurface() const { return {rest_points_, s_.geometry.indices, s_.vertex_point}; }
 
   Status loadMorphs() {
     if (!a_.morphs() || a_.morphs()->size() == 0) return {};
@@ -369,20 +377,38 @@ class Loader {
   }
 
   Status loadLayerStreams(const format::Layer& layer, Layer& out) {
-    const uint32_t each = coefficientCount(out.measure);
-    if (each > 0) {
-      auto& coefficients = s_.floats.emplace_back();
-      if (Status status = decode<float>(layer.coefficients(), each, triangles(), coefficients); !status.ok())
-        return status;
-      for (float value : coefficients)
-        if (!std::isfinite(value)) return bad("a coefficient is not finite");
-      out.coefficients = coefficients;
-    }
+    std::vector<Float3> directions;
     if (streamCount(layer.directions()) > 0) {
-      auto& packed = s_.bytes.emplace_back();
-      if (Status status = decode<int8_t>(layer.directions(), 4, points(), packed); !status.ok())
+      std::vector<PackedDirection> packed(points());
+      if (Status status = decodeStream(layer.directions(), sizeof(PackedDirection), points(), packed.data());
+          !status.ok())
         return status;
-      out.directions = packed;
+      directions = unpackDirections(point_normals_, packed);
+      auto& bytes = s_.bytes.emplace_back();
+      bytes.reserve(4 * points());
+      for (size_t p = 0; p < points(); ++p) {
+        for (float c : {directions[p].x, directions[p].y, directions[p].z})
+          bytes.push_back(static_cast<int8_t>(std::lround(c * 127.0f)));
+        bytes.push_back(static_cast<int8_t>(std::min<uint8_t>(packed[p].confidence, 127)));
+      }
+      out.directions = bytes;
+    } else if (out.measure == Measure::kDirectional) {
+      return bad("a directional layer has no directions");
+    }
+    if (const uint32_t each = coefficientCount(out.measure); each > 0) {
+      auto& coefficients = s_.floats.emplace_back(each * triangles(), 0.0f);
+      const auto cover = [&](const Part& part) {
+        makeCoefficients(restSurface(), out.measure, directions, part.triangle_begin, part.triangle_end,
+                         coefficients);
+      };
+      if (!layer.parts()) std::for_each(s_.parts.begin(), s_.parts.end(), cover);
+      for (uint32_t i = 0; layer.parts() && i < layer.parts()->size(); ++i) {
+        const uint32_t part = layer.parts()->Get(i);
+        if (part >= s_.parts.size() || (i > 0 && part <= layer.parts()->Get(i - 1)))
+          return bad("a layer's part is out of range");
+        cover(s_.parts[part]);
+      }
+      out.coefficients = coefficients;
     }
     if (streamCount(layer.bias()) > 0) {
       auto& bias = s_.shorts.emplace_back();
@@ -401,6 +427,7 @@ class Loader {
 
   Asset::Storage& s_;
   const format::Asset& a_;
+  std::vector<Float3> rest_points_, point_normals_;
 };
 
 Status checkHeader(std::span<const std::byte> file, AssetHeader& header) {
@@ -448,9 +475,9 @@ Status Asset::load(std::span<const std::byte> file) try {
            s.geometry.indices,
            s.surface_indices,
            s.point_vertex,
-           s.ring_offsets,
-           s.ring_triangles,
-           s.ring_weights,
+           s.rings.offsets,
+           s.rings.triangles,
+           s.rings.weights,
            s.morph_entries,
            s.parts,
            s.palette,

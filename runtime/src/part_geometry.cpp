@@ -130,15 +130,6 @@ Status toFloats(const Integers& integers, format::Semantic semantic, uint32_t co
   return {};
 }
 
-// Duff et al. 2017, Building an Orthonormal Basis, Revisited.
-void basis(Float3 n, Float3& t, Float3& b) {
-  const float sign = std::copysign(1.0f, n.z);
-  const float a = -1.0f / (sign + n.z);
-  const float xy = n.x * n.y * a;
-  t = {1.0f + sign * n.x * n.x * a, sign * xy, -sign * n.x};
-  b = {xy, sign + n.y * n.y * a, -n.y};
-}
-
 float unorm(uint32_t value, uint32_t bits) {
   return static_cast<float>(value) / static_cast<float>((1u << bits) - 1);
 }
@@ -267,9 +258,17 @@ void encodeOctahedral(Float3 n, uint32_t bits, uint32_t& u, uint32_t& v) {
   v = static_cast<uint32_t>(std::lround((y * 0.5f + 0.5f) * most));
 }
 
+void tangentBasis(Float3 n, Float3& t, Float3& b) {
+  const float sign = std::copysign(1.0f, n.z);
+  const float a = -1.0f / (sign + n.z);
+  const float xy = n.x * n.y * a;
+  t = {1.0f + sign * n.x * n.x * a, sign * xy, -sign * n.x};
+  b = {xy, sign + n.y * n.y * a, -n.y};
+}
+
 Float4 decodeTangent(Float3 normal, uint32_t code, uint32_t bits) {
   Float3 t, b;
-  basis(normal, t, b);
+  tangentBasis(normal, t, b);
   const float steps = static_cast<float>(1u << (bits - 1));
   const float angle = static_cast<float>(code >> 1) / steps * 2.0f * std::numbers::pi_v<float>;
   const float c = std::cos(angle);
@@ -279,7 +278,7 @@ Float4 decodeTangent(Float3 normal, uint32_t code, uint32_t bits) {
 
 uint32_t encodeTangent(Float3 normal, Float4 tangent, uint32_t bits) {
   Float3 t, b;
-  basis(normal, t, b);
+  tangentBasis(normal, t, b);
   const float x = tangent.x * t.x + tangent.y * t.y + tangent.z * t.z;
   const float y = tangent.x * b.x + tangent.y * b.y + tangent.z * b.z;
   const int64_t steps = int64_t{1} << (bits - 1);

@@ -38,6 +38,10 @@ uint32_t streamCount(const format::Stream* stream);
 Float3 decodeOctahedral(uint32_t u, uint32_t v, uint32_t bits);
 void encodeOctahedral(Float3 unit, uint32_t bits, uint32_t& u, uint32_t& v);
 
+// Two unit vectors that make a right-handed basis with the unit normal (Duff et al. 2017, Building an
+// Orthonormal Basis, Revisited).
+void tangentBasis(Float3 normal, Float3& tangent, Float3& bitangent);
+
 // A tangent as its angle about the normal and, in the lowest bit, the sign of the bitangent.
 Float4 decodeTangent(Float3 normal, uint32_t code, uint32_t bits);
 uint32_t encodeTangent(Float3 normal, Float4 tangent, uint32_t bits);

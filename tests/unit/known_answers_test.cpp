@@ -338,7 +338,7 @@ TEST_P(Posed, EqualsTheReferenceWithinAHundredThousandthOfTheDiagonal) {
   recipe.layers[0].compress = pipeline::MapNone{};
   const Asset asset = cookAsset(scene, recipe);
   const AssetView& view = asset.view();
-  const pipeline::Rig rig = pipeline::readRig(view.rig);
+  const pipeline::Rig rig = pipeline::readRig(view);
   pipeline::Pose pose = pipeline::defaultPose(rig);
   if (!rig.clips.empty()) pipeline::applyClip(rig, rig.clips[0], 0.4 * rig.clips[0].duration, pose);
   const pipeline::PosedRig posed = pipeline::evaluate(rig, pose);

@@ -14,7 +14,7 @@
 namespace furrow {
 
 inline constexpr uint32_t kFormatVersion =
-    2;  // bumped, never renumbered; docs/format.md says what each version changed
+    3;  // bumped, never renumbered; docs/format.md says what each version changed
 inline constexpr uint32_t kMaxLayers = 16;
 inline constexpr uint32_t kMaxPaletteEntries = 65536;
 
