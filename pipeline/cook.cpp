@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "pipeline/arkit.h"
 #include "pipeline/bake/response_fit.h"
 #include "pipeline/bake/rings.h"
 #include "pipeline/bake/squeeze.h"
@@ -102,18 +103,32 @@ class Cook {
     if (recipe_.weld_tolerance != 0.0)
       throw Error(Exit::kBadData, recipe_file_,
                   "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
-    for (const LayerRecipe& layer : recipe_.layers)
-      for (const DriverRecipe& driver : layer.drivers) {
-        std::vector<std::string> names;
-        for (const MorphTarget& target : scene_.rig.morphs) names.push_back(target.name);
-        if (std::find(names.begin(), names.end(), driver.morph) == names.end())
-          throw Error(Exit::kBadData, recipe_file_,
-                      "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"",
-                      "the file has: " + joinNames(names));
-      }
+    for (LayerRecipe& layer : recipe_.layers) resolveDrivers(layer);
     if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
       throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets",
                   "split it into several files");
+  }
+
+  // Names the morph targets as the file does, and takes tables apart.
+  void resolveDrivers(LayerRecipe& layer) {
+    std::vector<std::string> names;
+    for (const MorphTarget& target : scene_.rig.morphs)
+      if (std::find(names.begin(), names.end(), target.name) == names.end()) names.push_back(target.name);
+    std::vector<DriverRecipe> wanted = layer.drivers;
+    for (const auto& [shape, gain] : driverTable(layer.driver_table)) wanted.push_back({shape, gain});
+    layer.drivers.clear();
+    for (const DriverRecipe& driver : wanted) {
+      const std::vector<size_t> found = matchShape(names, driver.morph);
+      if (found.empty() && layer.driver_table.empty())
+        throw Error(Exit::kBadData, recipe_file_,
+                    "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"",
+                    "the file has: " + joinNames(names));
+      for (size_t i : found)
+        layer.drivers.push_back({names[i], driver.gain / static_cast<double>(found.size()), driver.curve});
+    }
+    if (!layer.driver_table.empty() && layer.drivers.empty())
+      warn("layer \"" + layer.name + "\": no morph target is one of " + layer.driver_table);
+    layer.driver_table.clear();
   }
 
   bool needsSqueeze() const {

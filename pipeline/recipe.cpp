@@ -195,6 +195,16 @@ class Reader {
     return path(map["shading"]);
   }
 
+  DriverRecipe driver(const json& j, const std::string& at) const {
+    DriverRecipe driver{j["morph"].get<std::string>(), j.value("gain", 1.0)};
+    driver.curve = j.value("curve", driver.curve);
+    for (size_t i = 1; i < driver.curve.size(); ++i)
+      if (!(static_cast<float>(driver.curve[i - 1][0]) < static_cast<float>(driver.curve[i][0])))
+        throw Error(Exit::kBadData, file_.string(), at + ".curve: its points are not in ascending order",
+                    "sort them by their first number");
+    return driver;
+  }
+
   LayerRecipe layer(const json& j, const std::string& at) const {
     LayerRecipe layer;
     layer.name = j["name"].get<std::string>();
@@ -217,8 +227,10 @@ class Reader {
       layer.stretch = map(j["stretch"]);
       layer.stretch_shading = shading(j["stretch"]);
     }
-    for (const json& driver : j.value("drivers", json::array()))
-      layer.drivers.push_back({driver["morph"].get<std::string>(), driver.value("gain", 1.0)});
+    const json drivers = j.value("drivers", json::array());
+    if (drivers.is_string()) layer.driver_table = drivers.get<std::string>();
+    for (size_t i = 0; drivers.is_array() && i < drivers.size(); ++i)
+      layer.drivers.push_back(driver(drivers[i], at + ".drivers[" + std::to_string(i) + ']'));
     return layer;
   }
 

@@ -74,6 +74,7 @@ using Map = std::variant<MapNone, MapNormal, MapHeight, MapSynthesized>;
 struct DriverRecipe {
   std::string morph;
   double gain = 1.0;
+  std::vector<std::array<double, 2>> curve = {};  // morph weight, what becomes of it; by ascending weight
 };
 
 struct LayerRecipe {
@@ -91,6 +92,7 @@ struct LayerRecipe {
   Map stretch = MapNone{};
   std::optional<std::filesystem::path> stretch_shading;
   std::vector<DriverRecipe> drivers;
+  std::string driver_table;  // of pipeline/arkit.h, in place of `drivers`
 };
 
 struct Recipe {

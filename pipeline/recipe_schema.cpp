@@ -1,6 +1,7 @@
 #include "pipeline/recipe_schema.h"
 
 #include "furrow/asset.h"
+#include "pipeline/arkit.h"
 
 namespace furrow::pipeline {
 
@@ -161,10 +162,14 @@ Shape describeLayer() {
        {"compress", describeMap(), "The map where the surface is squeezed; default {\"synthesize\": {}}."},
        {"stretch", describeMap(), "The map where it is stretched; default \"none\"."},
        {"drivers",
-        list(object({{"morph", text(), "Name of a morph target.", true},
-                     {"gain", number(-100, 100), "Default 1."}}),
-             0, kMany),
-        "Morph targets whose weights are added to the layer's weight."}});
+        either({word(driverTables()),
+                list(object({{"morph", text(), "Name of a morph target, or another spelling of it.", true},
+                             {"gain", number(-100, 100), "Default 1."},
+                             {"curve", list(list(number(-100, 100), 2, 2), 1, 64),
+                              "Points [in, out], straight between them and level outside: what the morph's "
+                              "weight counts as; default: itself."}}),
+                     0, kMany)}),
+        "Morph targets whose weights are added to the layer's weight, or a ready table of ARKit's shapes."}});
 }
 
 }  // namespace

@@ -106,8 +106,11 @@ class Writer {
                      {"neutral", layer.bias->neutral}};
     out["compress"] = map(layer.compress, layer.compress_shading);
     out["stretch"] = map(layer.stretch, layer.stretch_shading);
-    for (const DriverRecipe& driver : layer.drivers)
-      out["drivers"].push_back({{"morph", driver.morph}, {"gain", driver.gain}});
+    if (!layer.driver_table.empty()) out["drivers"] = layer.driver_table;
+    for (const DriverRecipe& driver : layer.drivers) {
+      json& written = out["drivers"].emplace_back(json{{"morph", driver.morph}, {"gain", driver.gain}});
+      if (!driver.curve.empty()) written["curve"] = driver.curve;
+    }
     return out;
   }
 

@@ -34,7 +34,7 @@ constexpr const char* kEverything = R"({
       "bias": { "attribute": "COLOR_0", "channel": "b", "neutral": 0.25 },
       "compress": { "normal": "map.png", "shading": "dark.png" },
       "stretch": { "synthesize": { "preset": "cloth", "spacing": 0.004, "depth": 0.0005, "seed": 7 }, "shading": "map.png" },
-      "drivers": [ { "morph": "browInnerUp", "gain": -0.5 }, { "morph": "squint" } ] },
+      "drivers": [ { "morph": "browInnerUp", "gain": -0.5 }, { "morph": "squint", "curve": [[0.25, 0], [1, 0.5]] } ] },
     { "name": "cheeks",
       "direction": { "attribute": "_FLOW" },
       "mask": { "attribute": "COLOR_1", "channel": "a" },
@@ -124,6 +124,8 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(a.drivers[0].morph, "browInnerUp");
   EXPECT_EQ(a.drivers[0].gain, -0.5);
   EXPECT_EQ(a.drivers[1].gain, 1.0);
+  EXPECT_TRUE(a.drivers[0].curve.empty());
+  EXPECT_THAT(a.drivers[1].curve, ElementsAre(ElementsAre(0.25, 0.0), ElementsAre(1.0, 0.5)));
 
   const LayerRecipe& b = recipe.layers[1];
   EXPECT_EQ(std::get<DirectionAttribute>(b.direction).name, "_FLOW");
@@ -178,6 +180,19 @@ TEST_F(RecipeTest, WritesEveryKey) {
   std::filesystem::create_directory(folder_ / "sub");
   EXPECT_NE(recipeText(read(kEverything), folder_ / "sub" / "recipe.json").find("\"../map.png\""),
             std::string::npos);
+}
+
+TEST_F(RecipeTest, DriversMayBeATable) {
+  const LayerRecipe read_layer = layer(R"("drivers": "arkit:crowsFeetLeft")");
+  EXPECT_EQ(read_layer.driver_table, "arkit:crowsFeetLeft");
+  EXPECT_TRUE(read_layer.drivers.empty());
+  EXPECT_THAT(layerError(R"("drivers": "arkit:ear")"), testing::HasSubstr("give \"arkit:forehead\", "));
+  EXPECT_EQ(
+      layerError(R"("drivers": [{"morph": "m", "curve": [[0, 0], [0, 1]]}])"),
+      "layers[0].drivers[0].curve: its points are not in ascending order: sort them by their first number");
+  EXPECT_EQ(layerError(R"("drivers": [{"morph": "m", "curve": [[0, 0, 1]]}])"),
+            "layers[0].drivers[0].curve[0]: is a list of 3: give a list of 2 values, each a number from -100 "
+            "to 100");
 }
 
 TEST_F(RecipeTest, AFitStandsAlone) {
