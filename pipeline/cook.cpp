@@ -14,6 +14,7 @@
 #include "pipeline/bake/tangents.h"
 #include "pipeline/bake/weld.h"
 #include "pipeline/error.h"
+#include "pipeline/import/import.h"
 #include "pipeline/layer_bake.h"
 #include "pipeline/map_bake.h"
 #include "pipeline/pack/geometry.h"
@@ -33,6 +34,11 @@ class Cook {
 
   Cooked run() {
     check();
+    if (const auto* rest = std::get_if<RestFile>(&recipe_.rest)) {
+      const SourceScene file = import(rest->file);
+      rest_offsets_ = restOffsets(scene_, file);
+      dependencies_ = file.dependencies;
+    }
     stage("welding");
     const std::vector<glm::vec3> source_rest = restFloats();
     weld_ = weld(scene_, source_rest);
@@ -142,7 +148,8 @@ class Cook {
   std::vector<glm::vec3> restFloats() const {
     std::vector<glm::vec3> out;
     for (const Part& part : scene_.parts)
-      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest)) out.push_back(glm::vec3(p));
+      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest))
+        out.push_back(glm::vec3(rest_offsets_.empty() ? p : p + rest_offsets_[out.size()]));
     return out;
   }
 
@@ -395,6 +402,7 @@ class Cook {
   std::vector<std::pair<uint32_t, uint32_t>> place_points_;
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
+  std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest
   double position_error_ = 0.0;
 };
 
