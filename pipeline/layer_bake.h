@@ -7,6 +7,7 @@
 
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/surface.h"
+#include "pipeline/maps/masks.h"
 #include "pipeline/recipe.h"
 #include "pipeline/scene/source_scene.h"
 
@@ -24,12 +25,15 @@ struct LayerInput {
   const Surface& surface;
   const std::vector<uint32_t>& source_vertex;
   const Squeeze& squeeze;
+  const MaskImages& masks;  // of all layers that name one
   std::string recipe_file;  // for messages
 };
 
-// Throws Error (kBadData): a mesh, material or attribute that the scene lacks, a mask that is empty.
-// `dependencies` gains the images read.
-BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
-                     std::vector<std::filesystem::path>& dependencies);
+// Throws Error (kBadData): a mesh, material or attribute that the scene lacks, a mask that is none
+// (checkMask()) or is empty or constant on the layer's meshes.
+BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe);
+
+// Per point, the largest squeeze of its triangles; 0 where none was measured.
+std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze);
 
 }  // namespace furrow::pipeline
