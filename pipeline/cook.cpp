@@ -31,8 +31,8 @@ class Cook {
   Cooked run() {
     check();
     stage("welding");
+    weldVertices();
     const std::vector<glm::vec3> source_rest = restFloats();
-    weld_ = weld(scene_, source_rest);
     packParts();
     makeSurface(source_rest);
     stage("measuring the animation");
@@ -93,9 +93,6 @@ class Cook {
 
   void check() {
     report_.warnings = scene_.warnings;
-    if (recipe_.weld_tolerance != 0.0)
-      throw Error(Exit::kBadData, recipe_file_,
-                  "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
     for (const LayerRecipe& layer : recipe_.layers)
       for (const DriverRecipe& driver : layer.drivers) {
         std::vector<std::string> names;
@@ -108,6 +105,15 @@ class Cook {
     if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
       throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets",
                   "split it into several files");
+  }
+
+  void weldVertices() {
+    std::optional<Weld> made = weld(scene_, recipe_.weld_tolerance);
+    if (!made)
+      throw Error(Exit::kBadData, recipe_file_,
+                  "weld.tolerance: thousands of vertices lie within a few of it of each other",
+                  "give a length well below that of the edges, or leave it out");
+    weld_ = std::move(*made);
   }
 
   bool needsSqueeze() const {
@@ -247,17 +253,18 @@ class Cook {
     for (size_t v = 0; v < weld_.vertex_point.size(); ++v)
       place_of_point[weld_.vertex_point[v]] = weld_.vertex_place[v];
     for (uint32_t p = 0; p < weld_.points; ++p) points_of_place[place_of_point[p]].push_back(p);
-    std::vector<uint32_t> number(weld_.points, kNoIndex);
-    place_points_.assign(weld_.places, {0, 0});
+    std::vector<uint32_t> number(weld_.points, kNoIndex), first_point(weld_.places);
     uint32_t next = 0;
     for (uint32_t point : source_point) {
       if (number[point] == kNoIndex) {
         const uint32_t place = place_of_point[point];
-        place_points_[place] = {next, static_cast<uint32_t>(points_of_place[place].size())};
+        first_point[place] = next;
         for (uint32_t each : points_of_place[place]) number[each] = next++;
       }
       surface_.vertex_point.push_back(number[point]);
     }
+    for (uint32_t place : weld_.slot_place)
+      place_points_.push_back({first_point[place], static_cast<uint32_t>(points_of_place[place].size())});
   }
 
   void pointGeometry() {
@@ -283,6 +290,7 @@ class Cook {
   void report() {
     report_.vertices = static_cast<uint32_t>(surface_.positions.size());
     report_.triangles = static_cast<uint32_t>(surface_.triangles.size());
+    report_.weld_tolerance = weld_.tolerance;
     report_.places = weld_.places;
     report_.points = weld_.points;
     report_.morphs = static_cast<uint32_t>(scene_.rig.morphs.size());
@@ -316,7 +324,7 @@ class Cook {
   std::vector<PackedPart> parts_;
   std::vector<PartGeometry> geometry_;
   std::vector<uint32_t> source_vertex_;
-  std::vector<std::pair<uint32_t, uint32_t>> place_points_;
+  std::vector<std::pair<uint32_t, uint32_t>> place_points_;  // a slot of the hash
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
   double position_error_ = 0.0;

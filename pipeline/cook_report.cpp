@@ -19,6 +19,7 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"degenerateTriangles", report.degenerate_triangles},
                     {"places", report.places},
                     {"points", report.points},
+                    {"weldTolerance", report.weld_tolerance},
                     {"morphTargets", report.morphs},
                     {"clips", report.clips},
                     {"positionError", report.position_error},

@@ -16,6 +16,7 @@ struct CookStage {
 struct CookReport {
   uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
            clips = 0;
+  double weld_tolerance = 0.0;  // root-space units
   double position_error = 0.0;  // root-space units
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
