@@ -1,100 +1,95 @@
 #include "pipeline/maps/image.h"
 
-#include <OpenImageIO/imageio.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <cmath>
 #include <system_error>
 
 #include "pipeline/error.h"
+#include "pipeline/maps/image_module.h"
 
 namespace furrow::pipeline {
 namespace {
 
 constexpr int kMaxSide = 16384;  // of a texture on the GPUs furrow is for
 
-// OpenImageIO's messages may run over several lines.
-std::string firstLine(const std::string& text) {
-  const std::string line = text.substr(0, text.find('\n'));
-  return line.empty() ? "unknown reason" : line;
+// The module stands beside the program or, installed, in lib/furrow.
+ImageModule loadImageModule() {
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::filesystem::path file = folder / FURROW_IMAGE_MODULE;
+  const std::filesystem::path installed = folder / "../lib/furrow" / FURROW_IMAGE_MODULE;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error) && std::filesystem::exists(installed, error)) file = installed;
+  // Never closed: its libraries keep threads and thread-local data.
+  void* const module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  const auto entry = module ? reinterpret_cast<ImageModuleEntry>(dlsym(module, kImageModuleEntry)) : nullptr;
+  if (!entry) {
+    const char* const reason = dlerror();
+    throw Error(Exit::kEnvironment, file.string(),
+                "images cannot be read or written without this module (" +
+                    std::string(reason ? reason : "unknown reason") + ")",
+                "put it back beside the program, from the same build, with OpenImageIO installed");
+  }
+  return entry();
+}
+
+const ImageModule& imageModule() {
+  static const ImageModule module = loadImageModule();
+  return module;
 }
 
 }  // namespace
 
 Image readImage(const std::filesystem::path& file) {
-  // Without it a fourth channel is taken for alpha and the other three are multiplied by it.
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) {
-    throw Error(Exit::kBadData, file.string(),
-                "it cannot be read as an image (" + firstLine(OIIO::geterror()) + ")",
-                "give a PNG, JPEG, TGA, TIFF or EXR file");
-  }
-  const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSide || spec.height > kMaxSide ||
-      spec.depth > 1 || spec.nchannels < 1 || spec.nchannels > 4) {
-    throw Error(Exit::kBadData, file.string(),
-                "the image is " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
-                    " with " + std::to_string(spec.nchannels) + " channels",
-                "give one of at most 16384 x 16384 texels and 1 to 4 channels");
-  }
   Image image;
-  image.width = static_cast<uint32_t>(spec.width);
-  image.height = static_cast<uint32_t>(spec.height);
-  image.channels = static_cast<uint32_t>(spec.nchannels);
-  image.pixels.resize(static_cast<size_t>(image.width) * image.height * image.channels);
-  bool read = false;
-  if (spec.format.is_floating_point()) {
-    read = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data());
-  } else {
-    // OpenImageIO multiplies by 1 / 255, which is not v / 255 to the last bit.
-    std::vector<uint16_t> values(image.pixels.size());
-    read = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data());
-    std::transform(values.begin(), values.end(), image.pixels.begin(),
-                   [](uint16_t v) { return static_cast<float>(v) / 65535.0f; });
-  }
-  if (!read) {
-    const std::string reason = firstLine(input->geterror());
-    throw Error(Exit::kBadData, file.string(), "the image is damaged (" + reason + ")", "export it again");
-  }
-  if (!std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); })) {
+  const auto place = [](void* context, int width, int height, int depth, int channels) -> float* {
+    Image& to = *static_cast<Image*>(context);
+    to.width = static_cast<uint32_t>(width);
+    to.height = static_cast<uint32_t>(height);
+    to.channels = static_cast<uint32_t>(channels);
+    if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide || depth > 1 || channels < 1 ||
+        channels > 4)
+      return nullptr;
+    to.pixels.resize(static_cast<size_t>(to.width) * to.height * to.channels);
+    return to.pixels.data();
+  };
+  const ImageModule::Reading reading = imageModule().read(file.c_str(), place, &image);
+  if (!reading.opened)
+    throw Error(Exit::kBadData, file.string(),
+                std::string("it cannot be read as an image (") + reading.fault + ")",
+                "give a PNG, JPEG, TGA, TIFF or EXR file");
+  if (image.pixels.empty())
+    throw Error(Exit::kBadData, file.string(),
+                "the image is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                    " with " + std::to_string(image.channels) + " channels",
+                "give one of at most 16384 x 16384 texels and 1 to 4 channels");
+  if (reading.fault)
+    throw Error(Exit::kBadData, file.string(), std::string("the image is damaged (") + reading.fault + ")",
+                "export it again");
+  if (!std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); }))
     throw Error(Exit::kBadData, file.string(), "the image holds values that are not finite",
                 "export it again");
-  }
   return image;
 }
 
 void writeImage(const std::filesystem::path& file, const Image& image) {
-  const auto fail = [&](const std::string& reason) {
-    throw Error(Exit::kEnvironment, file.string(), "the image cannot be written (" + firstLine(reason) + ")",
-                "check the folder, the disk and that the name ends in .png");
-  };
-  const auto output = OIIO::ImageOutput::create(file.string());
-  if (!output) {
-    fail(OIIO::geterror());
-  }
   std::vector<uint8_t> bytes(image.pixels.size());
   std::transform(image.pixels.begin(), image.pixels.end(), bytes.begin(), [](float v) {
     return static_cast<uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
   });
-  OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height),
-                       static_cast<int>(image.channels), OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-
   std::filesystem::path temporary = file;
   temporary += ".part";
-  const bool written = output->open(temporary.string(), spec) &&
-                       output->write_image(OIIO::TypeDesc::UINT8, bytes.data()) && output->close();
+  const char* const fault =
+      imageModule().write(temporary.c_str(), file.c_str(), bytes.data(), static_cast<int>(image.width),
+                          static_cast<int>(image.height), static_cast<int>(image.channels));
   std::error_code error;
-  if (written) {
-    std::filesystem::rename(temporary, file, error);
-  }
-  if (!written || error) {
-    const std::string reason = written ? error.message() : output->geterror();
-    std::filesystem::remove(temporary, error);
-    fail(reason);
-  }
+  if (!fault) std::filesystem::rename(temporary, file, error);
+  if (!fault && !error) return;
+  const std::string reason = fault ? fault : error.message();
+  std::filesystem::remove(temporary, error);
+  throw Error(Exit::kEnvironment, file.string(), "the image cannot be written (" + reason + ")",
+              "check the folder, the disk and that the name ends in .png");
 }
 
 Image resize(const Image& image, uint32_t width, uint32_t height) {

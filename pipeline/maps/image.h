@@ -1,6 +1,8 @@
 #pragma once
 
-// Images in memory and their files (through OpenImageIO).
+// Images in memory and their files, through OpenImageIO. That is in the module furrow_images, which the first
+// image file loads from the program's folder or ../lib/furrow; without it readImage and writeImage throw
+// Error (kEnvironment).
 
 #include <cstdint>
 #include <filesystem>

@@ -1,12 +1,14 @@
-// The staged frame of the cpu tier on one thread: compress, smooth and respond from posed positions, one
-// layer.
+// Frames of the cpu tier on one thread, staged and clustered, beside a bare gather and a copy. The first
+// argument is the side of a grid of quads: 222 has 98,568 triangles, 300 has 180,000 and 707 has 999,698.
 
 #include <benchmark/benchmark.h>
 
+#include <Eigen/SparseCore>
 #include <cstring>
 #include <map>
 
 #include "../unit/sheets.h"
+#include "furrow/cluster_frame.h"
 
 namespace {
 
@@ -27,19 +29,121 @@ const Asset& gridAsset(int64_t side) {
   return it->second;
 }
 
-void staged(benchmark::State& state) {
+// The same grid on a chain of 98 joints, four to a vertex.
+const Asset& skinnedAsset(int64_t side) {
+  static std::map<int64_t, Asset> assets;
+  const auto it = assets.find(side);
+  if (it != assets.end()) return it->second;
+  constexpr uint32_t kJoints = 98;
+  pipeline::SourceScene scene =
+      tests::sceneOf(tests::sheet(static_cast<uint32_t>(side)), [](glm::dvec3 p) { return p; });
+  pipeline::Primitive& primitive = scene.primitives[0];
+  primitive.morphs.clear();
+  scene.rig.morphs.clear();
+  scene.rig.palette.assign(kJoints, {});
+  scene.parts[0].skinned = true;
+  scene.parts[0].palette_count = kJoints;
+  primitive.influences = 4;
+  for (const glm::vec3& p : primitive.positions) {
+    const auto first = static_cast<uint16_t>(p.x * static_cast<float>(kJoints - 4));
+    for (uint16_t k = 0; k < 4; ++k) primitive.joints.push_back(first + k);
+    for (float w : {0.4f, 0.3f, 0.2f, 0.1f}) primitive.weights.push_back(w);
+  }
+  return assets
+      .emplace(side, tests::cookAsset(std::move(scene), tests::recipeOf({tests::axisLayer({1, 0, 0})})))
+      .first->second;
+}
+
+void countTriangles(benchmark::State& state, const AssetView& asset) {
+  state.counters["triangles/s"] = benchmark::Counter(static_cast<double>(asset.triangleCount()),
+                                                     benchmark::Counter::kIsIterationInvariantRate);
+}
+
+// How the cpu tier's frame is computed.
+enum Form : int64_t { kStaged, kPortableClusters, kSse4Clusters, kAvx2Clusters, kAvx512Clusters };
+
+// The whole frame of the cpu tier on one thread: four joints a vertex, positions only, one layer.
+void wholeFrame(benchmark::State& state) {
+  const Asset& loaded = skinnedAsset(state.range(0));
+  const AssetView& asset = loaded.view();
+  std::vector<Affine> palette(asset.palette.size());
+  for (size_t i = 0; i < palette.size(); ++i) palette[i].m[3] = 0.01f * static_cast<float>(i);
+  const std::vector<float> morph_weights(asset.morphs.size(), 0.0f);
+  std::vector<Float3> positions(asset.vertexCount());
+  std::vector<float> triangle_q(asset.triangleCount()), q(asset.pointCount());
+  std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
+  Clusters clusters;
+  if (!clusters.build(asset).ok()) return state.SkipWithError("no clusters");
+  std::vector<std::byte> scratch(clusters.scratchBytes());
+  ClusterFrameJob job;
+  job.clusters = &clusters;
+  job.palette = palette;
+  job.morph_weights = morph_weights;
+  job.positions = positions;
+  job.weights = weights;
+  if (state.range(1) != kStaged) {
+    job.simd = static_cast<Simd>(state.range(1) - 1);
+    if (!job.validate().ok()) return state.SkipWithError("not available");
+  }
+  for (auto _ : state) {
+    if (state.range(1) == kStaged) {
+      DeformJob{&asset, palette, morph_weights, positions, {}, {}}.run(0, asset.vertexCount());
+      CompressJob{&asset, 0, positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
+      SmoothJob{&asset, triangle_q, q}.run(0, asset.pointCount());
+      RespondJob{&asset, 0, asset.layers[0].response, 0.0f, q, weights}.run(0, asset.vertexCount());
+    } else {
+      job.run(0, clusters.count(), scratch);
+    }
+    benchmark::DoNotOptimize(weights.data());
+  }
+  countTriangles(state, asset);
+}
+
+// Compress, smooth and respond from positions that the host has posed.
+void fromPosed(benchmark::State& state) {
   const AssetView& asset = gridAsset(state.range(0)).view();
   const tests::Frame posed = tests::evaluate(asset, {1.0f});
   std::vector<float> triangle_q(asset.triangleCount()), q(asset.pointCount());
   std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
+  Clusters clusters;
+  if (!clusters.build(asset).ok()) return state.SkipWithError("no clusters");
+  std::vector<std::byte> scratch(clusters.scratchBytes());
+  ClusterFrameJob job;
+  job.clusters = &clusters;
+  job.posed = reinterpret_cast<const std::byte*>(posed.positions.data());
+  job.weights = weights;
+  if (state.range(1) != kStaged) {
+    job.simd = static_cast<Simd>(state.range(1) - 1);
+    if (!job.validate().ok()) return state.SkipWithError("not available");
+  }
   for (auto _ : state) {
-    CompressJob{&asset, 0, posed.positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
-    SmoothJob{&asset, triangle_q, q}.run(0, asset.pointCount());
-    RespondJob{&asset, 0, asset.layers[0].response, 0.0f, q, weights}.run(0, asset.vertexCount());
+    if (state.range(1) == kStaged) {
+      CompressJob{&asset, 0, posed.positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
+      SmoothJob{&asset, triangle_q, q}.run(0, asset.pointCount());
+      RespondJob{&asset, 0, asset.layers[0].response, 0.0f, q, weights}.run(0, asset.vertexCount());
+    } else {
+      job.run(0, clusters.count(), scratch);
+    }
     benchmark::DoNotOptimize(weights.data());
   }
-  state.counters["triangles/s"] = benchmark::Counter(static_cast<double>(asset.triangleCount()),
-                                                     benchmark::Counter::kIsIterationInvariantRate);
+  countTriangles(state, asset);
+}
+
+// What no frame can do without: the ring gather alone, as Eigen's product of a sparse matrix and a vector.
+void eigenRings(benchmark::State& state) {
+  const AssetView& asset = gridAsset(state.range(0)).view();
+  Eigen::SparseMatrix<float, Eigen::RowMajor> rings(asset.pointCount(), asset.triangleCount());
+  std::vector<Eigen::Triplet<float>> entries;
+  for (uint32_t p = 0; p < asset.pointCount(); ++p)
+    for (uint32_t i = asset.ring_offsets[p]; i < asset.ring_offsets[p + 1]; ++i)
+      entries.emplace_back(p, asset.ring_triangles[i], static_cast<float>(asset.ring_weights[i]) / 65535.0f);
+  rings.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXf triangle_q = Eigen::VectorXf::Ones(asset.triangleCount()), q(asset.pointCount());
+  for (auto _ : state) {
+    q.noalias() = rings * triangle_q;
+    benchmark::DoNotOptimize(q.data());
+  }
+  countTriangles(state, asset);
 }
 
 // The bytes that the staged frame must read and write, copied once: the ratio to it is what
@@ -60,7 +164,15 @@ void copyOfItsBytes(benchmark::State& state) {
   state.counters["bytes"] = static_cast<double>(bytes);
 }
 
-BENCHMARK(staged)->Arg(300)->Arg(707)->Unit(benchmark::kMicrosecond);
+BENCHMARK(eigenRings)->Arg(222)->Arg(707)->Unit(benchmark::kMicrosecond);
+BENCHMARK(fromPosed)
+    ->ArgsProduct({{222, 300, 707}, {0, 1, 2, 3, 4}})
+    ->ArgNames({"side", "form"})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(wholeFrame)
+    ->ArgsProduct({{222, 707}, {0, 1, 2, 3, 4}})
+    ->ArgNames({"side", "form"})
+    ->Unit(benchmark::kMicrosecond);
 BENCHMARK(copyOfItsBytes)->Arg(300)->Arg(707)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

@@ -143,6 +143,25 @@ TEST_F(BadInput, RecipeNamingATextureThatIsNone) {
   expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"texture": "words.png", "channel": "r"}}]})",
                   "words.png");
 }
+TEST_F(BadInput, TheModuleForImagesIsMissing) {
+  namespace fs = std::filesystem;
+  const fs::path built = fs::path(FURROW_TOOL).parent_path(), tool = folder() / "bin/furrow";
+  fs::create_directories(folder() / "bin");
+  fs::copy_file(FURROW_TOOL, tool);
+  write("words.png", "no picture");
+  const std::vector<std::string> cook = {
+      "cook",
+      write("sheet.glb", sheet()),
+      "-o",
+      output() / "out.furrow",
+      "--recipe",
+      write("recipe.json",
+            R"({"layers": [{"name": "a", "mask": {"texture": "words.png", "channel": "r"}}]})")};
+  expectRefused(run(cook, tool), 3, "bin/furrow_images.so");
+  fs::create_directories(folder() / "lib/furrow");
+  fs::copy_file(built / "furrow_images.so", folder() / "lib/furrow/furrow_images.so");
+  expectRefused(run(cook, tool), 1, "words.png");
+}
 TEST_F(BadInput, RecipeNamingAMeshOrAttributeThatIsNone) {
   expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "meshes": ["Nose"]}]})", "Nose");
   expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"attribute": "_MASK", "channel": "r"}}]})",

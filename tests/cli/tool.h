@@ -61,10 +61,10 @@ class ToolTest : public ::testing::Test {
     return folder() / name;
   }
 
-  Outcome run(const std::vector<std::string>& arguments) const {
+  Outcome run(const std::vector<std::string>& arguments, const std::string& tool = FURROW_TOOL) const {
     const std::string said = folder() / "said" / std::to_string(runs_++), out = said + ".out",
                       err = said + ".err";
-    std::vector<std::string> words = {FURROW_TOOL};
+    std::vector<std::string> words = {tool};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -75,12 +75,12 @@ class ToolTest : public ::testing::Test {
     posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     pid_t child = 0;
-    const int fault = posix_spawn(&child, FURROW_TOOL, &actions, nullptr, argv.data(), environ);
+    const int fault = posix_spawn(&child, tool.c_str(), &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     Outcome outcome;
     int status = 0;
     if (fault != 0 || waitpid(child, &status, 0) != child) {
-      ADD_FAILURE() << FURROW_TOOL << " did not start";
+      ADD_FAILURE() << tool << " did not start";
       return outcome;
     }
     outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

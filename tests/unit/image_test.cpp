@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <thread>
 
 #include "pipeline/error.h"
 
@@ -51,6 +52,17 @@ TEST_F(ImageTest, EveryByteSurvivesInEveryNumberOfChannels) {
       ASSERT_EQ(back.pixels[i], image.pixels[i]) << "channel " << i % channels << " of " << channels;
     }
   }
+}
+
+// The first of them load the module.
+TEST_F(ImageTest, ThreadsMayReadAndWriteAtOnce) {
+  const Image image = randomBytes(16, 16, 4);
+  std::vector<std::jthread> threads(8);
+  for (size_t i = 0; i < threads.size(); ++i)
+    threads[i] = std::jthread([&, file = folder_ / (std::to_string(i) + ".png")] {
+      writeImage(file, image);
+      EXPECT_EQ(readImage(file).pixels, image.pixels);
+    });
 }
 
 TEST_F(ImageTest, WritesTheSameBytesTwiceAndLeavesNoTemporary) {

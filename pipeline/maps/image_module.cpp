@@ -1,0 +1,59 @@
+#include "pipeline/maps/image_module.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace furrow::pipeline {
+namespace {
+
+// OpenImageIO's messages may run over several lines.
+const char* fault(const std::string& text) {
+  thread_local std::string line;
+  line = text.substr(0, text.find('\n'));
+  return line.empty() ? "unknown reason" : line.c_str();
+}
+
+ImageModule::Reading read(const char* file, ImageModule::Place place, void* context) {
+  // Without it a fourth channel is taken for alpha and the other three are multiplied by it.
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(file, &config);
+  if (!input) return {false, fault(OIIO::geterror())};
+  const OIIO::ImageSpec& spec = input->spec();
+  float* pixels = place(context, spec.width, spec.height, spec.depth, spec.nchannels);
+  if (!pixels) return {true, "refused"};
+  bool done = false;
+  if (spec.format.is_floating_point()) {
+    done = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels);
+  } else {
+    // OpenImageIO multiplies by 1 / 255, which is not v / 255 to the last bit.
+    std::vector<uint16_t> values(static_cast<size_t>(spec.width) * spec.height * spec.nchannels);
+    done = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data());
+    std::transform(values.begin(), values.end(), pixels,
+                   [](uint16_t v) { return static_cast<float>(v) / 65535.0f; });
+  }
+  return {true, done ? nullptr : fault(input->geterror())};
+}
+
+const char* write(const char* file, const char* name, const uint8_t* bytes, int width, int height,
+                  int channels) {
+  const auto output = OIIO::ImageOutput::create(name);
+  if (!output) return fault(OIIO::geterror());
+  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  const bool done =
+      output->open(file, spec) && output->write_image(OIIO::TypeDesc::UINT8, bytes) && output->close();
+  return done ? nullptr : fault(output->geterror());
+}
+
+}  // namespace
+}  // namespace furrow::pipeline
+
+extern "C" [[gnu::visibility("default")]] furrow::pipeline::ImageModule furrowImageModule();
+
+furrow::pipeline::ImageModule furrowImageModule() {
+  return {furrow::pipeline::read, furrow::pipeline::write};
+}

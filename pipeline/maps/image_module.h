@@ -1,0 +1,31 @@
+#pragma once
+
+// The boundary between the pipeline and the module furrow_images, which alone links OpenImageIO and is loaded
+// by the first image that is read or written: OpenImageIO draws in 260 libraries. Both sides come from one
+// build. Functions may be called from any thread.
+
+#include <cstdint>
+
+namespace furrow::pipeline {
+
+// A fault is one line, or null; it holds until the next call on the same thread.
+struct ImageModule {
+  struct Reading {
+    bool opened;  // false: it is no image at all
+    const char* fault;
+  };
+  // Where the pixels of an image of this size go: width * height * channels floats, rows from the top. Null
+  // ends the reading.
+  using Place = float* (*)(void* context, int width, int height, int depth, int channels);
+
+  Reading (*read)(const char* file, Place place, void* context);
+  // 8 bits a channel; the extension of `name` says the format.
+  const char* (*write)(const char* file, const char* name, const uint8_t* bytes, int width, int height,
+                       int channels);
+};
+
+// The module's only symbol.
+using ImageModuleEntry = ImageModule (*)();
+inline constexpr const char* kImageModuleEntry = "furrowImageModule";
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,119 @@
+#pragma once
+
+// The clustered frame: pose, compress, smooth and respond in one pass over the surface, the fast path of the
+// cpu tier. The staged jobs (jobs.h) are its reference: the weights are the same bits.
+//
+// The surface is cut into clusters of points that fit a core's first cache. A cluster holds the points it
+// owns, a halo of points that their rings reach (posed again rather than waited for) and the triangles of its
+// points' rings, so that nothing passes between stages through memory and clusters depend on nothing but the
+// pose.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "furrow/jobs.h"
+
+namespace furrow {
+
+// Points a cluster owns at most, so that positions and q of a cluster stay in 32 KiB.
+inline constexpr uint32_t kClusterPoints = 640;
+
+struct Cluster {
+  uint32_t points;  // owned; the first slots
+  uint32_t
+      vertices;    // owned: a slot for each point's first vertex, then for the other vertices of those points
+  uint32_t slots;  // vertices and halo
+  uint32_t triangles;   // a multiple of kTriangleLanes: the last ones may be empty
+  uint32_t slot_begin;  // in slot_vertex
+  uint32_t triangle_begin;
+  uint32_t chunk_begin, chunk_end;  // kRingLanes points each
+  uint32_t extra_begin;             // in extra_point
+  uint32_t total_begin;             // in Clusters::Layer::totals
+  uint32_t covered;                 // bit l: layer l measures a triangle here
+};
+
+// Triangles are measured this many at a time: their coefficients lie side by side, first the first of each.
+inline constexpr uint32_t kTriangleLanes = 16;
+
+// Rings of this many points lie side by side, padded to the longest of them.
+inline constexpr uint32_t kRingLanes = 8;
+
+struct RingChunk {
+  uint32_t entry_begin;  // in ring_entries
+  uint32_t length;       // steps of 2 * kRingLanes entries: the points' triangles, then their weights
+};
+
+// How an asset's surface is cut. Immutable after build(); any number of threads and instances may read it.
+class Clusters {
+ public:
+  // Takes O(n log n) time and about 40 bytes a triangle and layer, and allocates; `asset` must outlive it.
+  // Fails with kOutOfMemory, or kUnavailable where a single point is in more triangles than a cluster can
+  // number (about 16,000): such an asset has the staged jobs alone. The same asset gives the same clusters
+  // everywhere.
+  Status build(const AssetView& asset);
+
+  uint32_t count() const { return static_cast<uint32_t>(clusters.size()); }
+  // Bytes of scratch memory that every thread needs, aligned to 64.
+  size_t scratchBytes() const { return scratch_bytes_; }
+
+  struct Layer {
+    std::vector<float>
+        coefficients;  // coefficientCount(measure) x kTriangleLanes for every kTriangleLanes triangles
+    std::vector<uint16_t>
+        totals;  // a point, from Cluster::total_begin: the ring's weights that are in the layer; 0: none
+  };
+  struct MorphRun {
+    uint32_t morph;
+    uint32_t begin, end;  // in morph_slots and morph_deltas
+  };
+
+  const AssetView* asset = nullptr;
+  std::vector<Cluster> clusters;
+  std::vector<uint32_t> slot_vertex;
+  std::vector<uint16_t> corners;  // 3 a triangle, 4 * slot
+  std::vector<RingChunk> chunks;
+  std::vector<uint16_t> ring_entries;
+  std::vector<uint16_t> extra_point;  // a vertex beyond a point's first: its point
+  std::vector<Layer> layers;
+  std::vector<uint32_t> morph_run_begin;  // clusters + 1, in morph_runs
+  std::vector<MorphRun> morph_runs;       // a cluster: its morph targets, ascending
+  std::vector<uint16_t> morph_slots;
+  std::vector<uint32_t> morph_index;  // a slot of a run: which of Morph::vertices
+
+ private:
+  size_t scratch_bytes_ = 0;
+};
+
+// Instruction sets that the clustered frame is built for; the results are the same bits.
+enum class Simd : uint8_t { kPortable = 0, kSse4, kAvx2, kAvx512, kNeon };
+const char* simdName(Simd simd);
+// The best that this build and this CPU have.
+Simd bestSimd();
+bool simdAvailable(Simd simd);
+
+// One frame of one instance. Items: clusters, any number of threads on disjoint ranges. Does not allocate,
+// lock or throw.
+struct ClusterFrameJob {
+  const Clusters* clusters = nullptr;
+
+  // Either the host's posed vertices: float x, y, z at posed + i * posed_stride, in the asset's vertex order.
+  const std::byte* posed = nullptr;
+  size_t posed_stride = sizeof(Float3);  // at least 12, a multiple of 4
+  // Or, with posed null, a palette and morph weights as for DeformJob, posed on the way.
+  std::span<const Affine> palette;
+  std::span<const float> morph_weights;
+  std::span<Float3> positions;  // out, posed by the palette, a vertex; or empty
+
+  float scale = 1.0f;                     // uniform scale of the instance that the pose contains, > 0
+  std::span<const Response> responses;    // a layer; or empty: the asset's
+  std::span<const float> region_weights;  // a layer; or empty: 0
+  std::span<int16_t> weights;             // out, weightStride() a vertex
+  Simd simd = bestSimd();
+
+  Status validate() const;
+  // `scratch`: Clusters::scratchBytes(), aligned to 64, for this call alone.
+  void run(uint32_t begin, uint32_t end, std::span<std::byte> scratch) const;
+};
+
+}  // namespace furrow

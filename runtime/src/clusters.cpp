@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <new>
+#include <numeric>
+
+#include "furrow/cluster_frame.h"
+
+namespace furrow {
+namespace {
+
+constexpr uint32_t kMostSlots = 16384;      // a corner is 4 * slot in 16 bits
+constexpr uint32_t kMostTriangles = 65536;  // a ring entry has 16 bits
+
+float coordinate(Float3 p, int axis) {
+  return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
+class Builder {
+ public:
+  Builder(const AssetView& asset, Clusters& out)
+      : a_(asset),
+        out_(out),
+        triangle_local_(asset.triangleCount(), kAbsent),
+        vertex_slot_(asset.vertexCount(), kAbsent) {}
+
+  Status build() {
+    out_.layers.resize(a_.layerCount());
+    listVertices();
+    std::vector<uint32_t> points(a_.pointCount());
+    std::iota(points.begin(), points.end(), 0u);
+    out_.morph_run_begin.push_back(0);
+    return cut(points);
+  }
+
+ private:
+  // Vertices of each point, ascending, so that the point's own vertex comes first.
+  void listVertices() {
+    first_vertex_.assign(a_.pointCount() + 1, 0);
+    for (uint32_t p : a_.vertex_point) ++first_vertex_[p + 1];
+    std::partial_sum(first_vertex_.begin(), first_vertex_.end(), first_vertex_.begin());
+    vertices_.resize(a_.vertexCount());
+    std::vector<uint32_t> next(first_vertex_.begin(), first_vertex_.end() - 1);
+    for (uint32_t v = 0; v < a_.vertexCount(); ++v) vertices_[next[a_.vertex_point[v]]++] = v;
+  }
+
+  // Recursive coordinate bisection: halves of whole clusters along the longest side. Depth is at most log2 of
+  // the points.
+  Status cut(std::span<uint32_t> points) {
+    if (points.size() <= kClusterPoints && add(points)) return {};
+    if (points.size() == 1)
+      return Status::error(StatusCode::kUnavailable,
+                           "a point has too many triangles for the clustered frame (%u)",
+                           a_.ring_offsets[points[0] + 1] - a_.ring_offsets[points[0]]);
+    Float3 low = position(points[0]), high = low;
+    for (uint32_t p : points) {
+      const Float3 at = position(p);
+      low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
+    }
+    const Float3 side = {high.x - low.x, high.y - low.y, high.z - low.z};
+    const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+    const size_t leaves = std::max<size_t>(2, (points.size() + kClusterPoints - 1) / kClusterPoints);
+    const size_t left = points.size() * (leaves / 2) / leaves;
+    std::nth_element(points.begin(), points.begin() + static_cast<ptrdiff_t>(left), points.end(),
+                     [&](uint32_t a, uint32_t b) {
+                       const float x = coordinate(position(a), axis), y = coordinate(position(b), axis);
+                       return x != y ? x < y : a < b;
+                     });
+    if (Status status = cut(points.first(left)); !status.ok()) return status;
+    return cut(points.subspan(left));
+  }
+
+  Float3 position(uint32_t point) const { return a_.positions[a_.point_vertex[point]]; }
+
+  uint32_t degree(uint32_t point) const { return a_.ring_offsets[point + 1] - a_.ring_offsets[point]; }
+
+  // False if the points reach more than a cluster can number.
+  bool add(std::span<uint32_t> points) {
+    std::sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
+      return degree(a) != degree(b) ? degree(a) > degree(b) : a_.point_vertex[a] < a_.point_vertex[b];
+    });
+    triangles_.clear();
+    for (uint32_t p : points)
+      for (uint32_t i = a_.ring_offsets[p]; i < a_.ring_offsets[p + 1]; ++i)
+        if (triangle_local_[a_.ring_triangles[i]] == kAbsent) {
+          triangle_local_[a_.ring_triangles[i]] = 0;
+          triangles_.push_back(a_.ring_triangles[i]);
+        }
+    std::sort(triangles_.begin(), triangles_.end());
+    for (uint32_t i = 0; i < triangles_.size(); ++i) triangle_local_[triangles_[i]] = i;
+
+    Cluster c = {};
+    c.points = static_cast<uint32_t>(points.size());
+    c.slot_begin = static_cast<uint32_t>(out_.slot_vertex.size());
+    listSlots(points, c);
+    const bool fits = c.slots <= kMostSlots && triangles_.size() + kTriangleLanes <= kMostTriangles;
+    if (fits) {
+      c.triangles =
+          static_cast<uint32_t>((triangles_.size() + kTriangleLanes - 1) / kTriangleLanes * kTriangleLanes);
+      c.triangle_begin = static_cast<uint32_t>(out_.corners.size() / 3);
+      for (uint32_t t : triangles_)
+        for (int k = 0; k < 3; ++k)
+          out_.corners.push_back(
+              static_cast<uint16_t>(4 * vertex_slot_[a_.surface_indices[3 * size_t{t} + k]]));
+      out_.corners.resize(3 * (size_t{c.triangle_begin} + c.triangles), 0);
+      addRings(points, c);
+      addLayers(points, c);
+      addMorphs(c);
+      out_.clusters.push_back(c);
+    } else {
+      out_.slot_vertex.resize(c.slot_begin);
+      out_.extra_point.resize(c.extra_begin);
+    }
+    for (uint32_t v : slots_) vertex_slot_[v] = kAbsent;
+    for (uint32_t t : triangles_) triangle_local_[t] = kAbsent;
+    return fits;
+  }
+
+  void listSlots(std::span<const uint32_t> points, Cluster& c) {
+    slots_.clear();
+    const auto slot = [&](uint32_t vertex) {
+      vertex_slot_[vertex] = static_cast<uint32_t>(slots_.size());
+      slots_.push_back(vertex);
+    };
+    for (uint32_t p : points) slot(a_.point_vertex[p]);
+    c.extra_begin = static_cast<uint32_t>(out_.extra_point.size());
+    for (size_t i = 0; i < points.size(); ++i)
+      for (uint32_t k = first_vertex_[points[i]] + 1; k < first_vertex_[points[i] + 1]; ++k) {
+        slot(vertices_[k]);
+        out_.extra_point.push_back(static_cast<uint16_t>(i));
+      }
+    c.vertices = static_cast<uint32_t>(slots_.size());
+    for (uint32_t t : triangles_)
+      for (int k = 0; k < 3; ++k) {
+        const uint32_t v = a_.surface_indices[3 * size_t{t} + k];
+        if (vertex_slot_[v] == kAbsent) slot(v);
+      }
+    c.slots = static_cast<uint32_t>(slots_.size());
+    out_.slot_vertex.insert(out_.slot_vertex.end(), slots_.begin(), slots_.end());
+  }
+
+  void addRings(std::span<const uint32_t> points, Cluster& c) {
+    c.chunk_begin = static_cast<uint32_t>(out_.chunks.size());
+    for (size_t first = 0; first < points.size(); first += kRingLanes) {
+      const RingChunk chunk = {static_cast<uint32_t>(out_.ring_entries.size()), degree(points[first])};
+      out_.ring_entries.resize(chunk.entry_begin + size_t{2} * kRingLanes * chunk.length, 0);
+      for (size_t lane = 0; lane < kRingLanes && first + lane < points.size(); ++lane) {
+        const uint32_t ring = a_.ring_offsets[points[first + lane]];
+        for (uint32_t k = 0; k < degree(points[first + lane]); ++k) {
+          uint16_t* step = &out_.ring_entries[chunk.entry_begin + size_t{2} * kRingLanes * k];
+          step[lane] = static_cast<uint16_t>(triangle_local_[a_.ring_triangles[ring + k]]);
+          step[kRingLanes + lane] = a_.ring_weights[ring + k];
+        }
+      }
+      out_.chunks.push_back(chunk);
+    }
+    c.chunk_end = static_cast<uint32_t>(out_.chunks.size());
+  }
+
+  void addLayers(std::span<const uint32_t> points, Cluster& c) {
+    const size_t padded = (points.size() + kRingLanes - 1) / kRingLanes * kRingLanes;
+    c.total_begin = total_count_;
+    total_count_ += static_cast<uint32_t>(padded);
+    for (uint32_t l = 0; l < a_.layerCount(); ++l) {
+      const uint32_t each = coefficientCount(a_.layers[l].measure);
+      if (each == 0) continue;
+      const std::span<const float> all = a_.layers[l].coefficients;
+      Clusters::Layer& layer = out_.layers[l];
+      const auto measured = [&](uint32_t t) {
+        for (uint32_t k = 0; k < each; ++k)
+          if (all[size_t{t} * each + k] != 0.0f) return true;
+        return false;
+      };
+      layer.coefficients.resize((size_t{c.triangle_begin} + c.triangles) * each, 0.0f);
+      for (size_t i = 0; i < triangles_.size(); ++i) {
+        if (measured(triangles_[i])) c.covered |= 1u << l;
+        float* group = &layer.coefficients[(c.triangle_begin + i / kTriangleLanes * kTriangleLanes) * each];
+        for (uint32_t k = 0; k < each; ++k)
+          group[k * kTriangleLanes + i % kTriangleLanes] = all[size_t{triangles_[i]} * each + k];
+      }
+      for (uint32_t p : points) {
+        uint32_t total = 0;
+        for (uint32_t i = a_.ring_offsets[p]; i < a_.ring_offsets[p + 1]; ++i)
+          if (measured(a_.ring_triangles[i])) total += a_.ring_weights[i];
+        layer.totals.push_back(static_cast<uint16_t>(total));
+      }
+      layer.totals.resize(total_count_, 0);
+    }
+  }
+
+  // Morph::vertices ascend, so the slots of a cluster find their deltas by binary search.
+  void addMorphs(const Cluster& c) {
+    for (uint32_t m = 0; m < a_.morphs.size(); ++m) {
+      const std::span<const uint32_t> moved = a_.morphs[m].vertices;
+      const auto begin = static_cast<uint32_t>(out_.morph_slots.size());
+      for (uint32_t s = 0; s < c.slots; ++s) {
+        const auto at = std::lower_bound(moved.begin(), moved.end(), slots_[s]);
+        if (at == moved.end() || *at != slots_[s]) continue;
+        out_.morph_slots.push_back(static_cast<uint16_t>(s));
+        out_.morph_index.push_back(static_cast<uint32_t>(at - moved.begin()));
+      }
+      const auto end = static_cast<uint32_t>(out_.morph_slots.size());
+      if (end > begin) out_.morph_runs.push_back({m, begin, end});
+    }
+    out_.morph_run_begin.push_back(static_cast<uint32_t>(out_.morph_runs.size()));
+  }
+
+  const AssetView& a_;
+  Clusters& out_;
+  std::vector<uint32_t> first_vertex_, vertices_;  // vertices of each point
+  std::vector<uint32_t> triangle_local_, vertex_slot_;
+  std::vector<uint32_t> triangles_, slots_;  // of the cluster at hand
+  uint32_t total_count_ = 0;
+};
+
+}  // namespace
+
+Status Clusters::build(const AssetView& source) try {
+  *this = {};
+  Clusters built;
+  built.asset = &source;
+  if (Status status = Builder(source, built).build(); !status.ok()) return status;
+  for (const Cluster& c : built.clusters) {
+    const size_t padded = (size_t{c.vertices} + kRingLanes - 1) / kRingLanes * kRingLanes;
+    built.scratch_bytes_ =
+        std::max(built.scratch_bytes_, c.slots * sizeof(Float4) + c.triangles * sizeof(float) +
+                                           padded * (2 * sizeof(float) + sizeof(int16_t)) + 64);
+  }
+  built.scratch_bytes_ = (built.scratch_bytes_ + 63) & ~size_t{63};
+  *this = std::move(built);
+  return {};
+} catch (const std::bad_alloc&) {
+  *this = {};
+  return Status::error(StatusCode::kOutOfMemory, "out of memory");
+}
+
+}  // namespace furrow

@@ -1,0 +1,82 @@
+#pragma once
+
+// The arithmetic of a response, shared by the staged and the clustered frame so that both give the same bits.
+// Branch-free so that loops over it vectorise.
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "furrow/jobs.h"
+
+namespace furrow {
+
+// Within 4e-7 relative, and fastLog2(1) is exactly 0. x > 0, normal.
+inline float fastLog2(float x) {
+  const int32_t bits = std::bit_cast<int32_t>(x);
+  const int32_t exponent = (bits - 0x3f3504f3) >> 23;  // mantissa in [sqrt(1/2), sqrt(2))
+  const float mantissa = std::bit_cast<float>(bits - exponent * (1 << 23));
+  const float t = (mantissa - 1.0f) / (mantissa + 1.0f);
+  const float t2 = t * t;
+  const float series =
+      t * (2.88539008f + t2 * (0.961796694f + t2 * (0.577078016f + t2 * (0.412198583f + t2 * 0.320598898f))));
+  return static_cast<float>(exponent) + series;
+}
+
+// Within 4e-7 relative; y is clamped to [-126, 126].
+inline float fastExp2(float y) {
+  y = std::min(std::max(y, -126.0f), 126.0f);
+  const float shifted = y + 12582912.0f;  // 1.5 * 2^23: rounds to the nearest integer
+  const float whole = shifted - 12582912.0f;
+  const float f = y - whole;
+  const float series =
+      1.0f + f * (0.693147181f +
+                  f * (0.240226507f +
+                       f * (0.0555041087f +
+                            f * (0.00961812911f +
+                                 f * (0.00133335581f + f * (0.000154035304f + f * 0.0000152527338f))))));
+  const int32_t exponent = std::bit_cast<int32_t>(shifted) - 0x4b400000;
+  return std::bit_cast<float>(std::bit_cast<int32_t>(series) + exponent * (1 << 23));
+}
+
+// I(alpha) = max(0, 1 - 2 / (1 + (alpha / lambda)^beta)) [Larsson, eq. 4].
+inline float intensity(float log_alpha, float log_lambda, float beta) {
+  return std::max(0.0f, 1.0f - 2.0f / (1.0f + fastExp2(beta * (log_alpha - log_lambda))));
+}
+
+inline float clampUnit(float w) {
+  return std::min(std::max(w, -1.0f), 1.0f);
+}
+
+// SSE2 has no float-to-int16 rounding: adding 1.5 * 2^23 leaves the rounded value in the low bits.
+inline int16_t toSnorm16(float w) {
+  return static_cast<int16_t>(std::bit_cast<int32_t>(w * 32767.0f + 12582912.0f) - 0x4b400000);
+}
+
+// A response made ready for many q.
+struct LarssonCurve {
+  explicit LarssonCurve(const Response& r)
+      : log_lambda(fastLog2(r.lambda)),
+        beta(r.beta),
+        log_stretch_lambda(fastLog2(r.stretch_lambda)),
+        stretch_beta(r.stretch_beta) {}
+  float operator()(float q) const {  // q >= kMinQ
+    const float log_alpha = -fastLog2(q);
+    return intensity(log_alpha, log_lambda, beta) - intensity(-log_alpha, log_stretch_lambda, stretch_beta);
+  }
+  float log_lambda, beta, log_stretch_lambda, stretch_beta;
+};
+
+struct OatCurve {
+  float operator()(float q) const { return 1.0f - q; }
+};
+
+// The weights of `count` vertices from their q and bias.
+template <typename Function>
+inline void respondBlock(const Function& curve, const float* q, const float* bias, float region,
+                         uint32_t count, int16_t* weights) {
+  for (uint32_t i = 0; i < count; ++i)
+    weights[i] = toSnorm16(clampUnit((curve(std::max(q[i], kMinQ)) + bias[i]) + region));
+}
+
+}  // namespace furrow

@@ -1,0 +1,194 @@
+// The clustered frame against the staged one: the same bits on every instruction set, split and thread.
+
+#include "furrow/cluster_frame.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <numeric>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "sheets.h"
+
+namespace {
+
+using namespace furrow;
+using tests::Frame;
+
+std::vector<Simd> available() {
+  std::vector<Simd> all;
+  for (Simd simd : {Simd::kPortable, Simd::kSse4, Simd::kAvx2, Simd::kAvx512, Simd::kNeon})
+    if (simdAvailable(simd)) all.push_back(simd);
+  return all;
+}
+
+// A bumpy sheet of n x n quads that its morph target squeezes and bends.
+pipeline::SourceScene bumpy(uint32_t n) {
+  pipeline::Primitive sheet = tests::sheet(n);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> jitter(-0.2f / static_cast<float>(n), 0.2f / static_cast<float>(n));
+  for (glm::vec3& p : sheet.positions) p += glm::vec3(jitter(random), jitter(random), jitter(random));
+  return tests::sceneOf(std::move(sheet), [](glm::dvec3 p) {
+    return glm::dvec3(0.6 * p.x, p.y + 0.1 * p.x * p.x, 0.3 * p.x * p.y);
+  });
+}
+
+pipeline::LayerRecipe layerOf(const char* name, Measure measure, std::array<double, 3> axis) {
+  pipeline::LayerRecipe layer = tests::axisLayer(axis);
+  layer.name = name;
+  layer.measure = measure;
+  return layer;
+}
+
+std::vector<int16_t> clusteredWeights(const Clusters& clusters, Simd simd, const Affine& pose, float weight,
+                                      std::vector<Float3>* positions = nullptr, uint32_t threads = 1,
+                                      float scale = 1.0f) {
+  const AssetView& asset = *clusters.asset;
+  const std::vector<Affine> palette(asset.palette.size(), pose);
+  std::vector<float> morph_weights(asset.morphs.size(), 0.0f);
+  morph_weights[0] = weight;
+  std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
+  ClusterFrameJob job;
+  job.clusters = &clusters;
+  job.palette = palette;
+  job.morph_weights = morph_weights;
+  if (positions) {
+    positions->resize(asset.vertexCount());
+    job.positions = *positions;
+  }
+  job.weights = weights;
+  job.simd = simd;
+  job.scale = scale;
+  const Status status = job.validate();
+  EXPECT_TRUE(status.ok()) << status.message;
+  std::vector<std::jthread> pool;
+  for (uint32_t i = 0; i < threads; ++i)
+    pool.emplace_back([&, i] {
+      std::vector<std::byte> scratch(clusters.scratchBytes() + 64);
+      auto* aligned =
+          reinterpret_cast<std::byte*>((reinterpret_cast<uintptr_t>(scratch.data()) + 63) & ~uintptr_t{63});
+      job.run(clusters.count() * i / threads, clusters.count() * (i + 1) / threads,
+              {aligned, clusters.scratchBytes()});
+    });
+  pool.clear();
+  return weights;
+}
+
+TEST(ClusterFrame, SameBitsAsTheStagedFrame) {
+  // Two layers do not cover everything: at the poles of their axis the direction is undefined.
+  const Asset asset = tests::cookAsset(
+      bumpy(61),
+      tests::recipeOf({layerOf("a", Measure::kDirectional, {1, 0.2, 0}),
+                       layerOf("b", Measure::kArea, {0, 1, 0}), layerOf("c", Measure::kPrincipal, {0, 1, 0}),
+                       layerOf("d", Measure::kNone, {1, 0, 0}),
+                       layerOf("e", Measure::kDirectional, {0, 0, 1})}));
+  const AssetView& view = asset.view();
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(view).ok());
+  EXPECT_GT(clusters.count(), 3u);
+  Affine pose;
+  pose.m[0] = 0.8f, pose.m[1] = 0.6f, pose.m[4] = -0.6f, pose.m[5] = 0.8f, pose.m[3] = 3.5f;
+  for (float weight : {0.0f, 0.37f, 1.0f}) {
+    const Frame staged = tests::evaluate(view, {weight}, pose, 1.25f);
+    for (Simd simd : available()) {
+      std::vector<Float3> positions;
+      EXPECT_EQ(clusteredWeights(clusters, simd, pose, weight, &positions, 1, 1.25f), staged.weights)
+          << simdName(simd);
+      ASSERT_EQ(positions.size(), staged.positions.size());
+      EXPECT_EQ(std::memcmp(positions.data(), staged.positions.data(), positions.size() * sizeof(Float3)), 0)
+          << simdName(simd);
+    }
+    EXPECT_EQ(clusteredWeights(clusters, bestSimd(), pose, weight, nullptr, 3, 1.25f), staged.weights);
+  }
+}
+
+TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
+  const Asset asset = tests::cookAsset(bumpy(40), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
+  const AssetView& view = asset.view();
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(view).ok());
+  const Frame staged = tests::evaluate(view, {1.0f});
+  for (size_t stride : {size_t{12}, size_t{16}, size_t{32}, size_t{44}}) {
+    // Exactly as long as it must be, so that a read beyond it is found.
+    std::vector<std::byte> buffer(stride * (view.vertexCount() - 1) + sizeof(Float3));
+    for (uint32_t v = 0; v < view.vertexCount(); ++v)
+      std::memcpy(&buffer[v * stride], &staged.positions[v], sizeof(Float3));
+    std::vector<std::byte> scratch(clusters.scratchBytes());
+    for (Simd simd : available()) {
+      std::vector<int16_t> weights(staged.weights.size());
+      ClusterFrameJob job;
+      job.clusters = &clusters;
+      job.posed = buffer.data();
+      job.posed_stride = stride;
+      job.weights = weights;
+      job.simd = simd;
+      ASSERT_TRUE(job.validate().ok());
+      job.run(0, clusters.count(), scratch);
+      EXPECT_EQ(weights, staged.weights) << stride << " " << simdName(simd);
+    }
+  }
+}
+
+TEST(ClusterFrame, EveryPointIsOwnedOnceAndRingsAreWhole) {
+  const Asset asset = tests::cookAsset(bumpy(70), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
+  const AssetView& view = asset.view();
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(view).ok());
+  std::multiset<uint32_t> owned;
+  uint32_t triangles = 0, slots = 0;
+  for (const Cluster& c : clusters.clusters) {
+    EXPECT_LE(c.points, kClusterPoints);
+    for (uint32_t s = 0; s < c.vertices; ++s) owned.insert(clusters.slot_vertex[c.slot_begin + s]);
+    triangles += c.triangles;
+    slots += c.slots;
+  }
+  EXPECT_EQ(owned.size(), view.vertexCount());
+  EXPECT_EQ(std::set<uint32_t>(owned.begin(), owned.end()).size(), view.vertexCount());
+  // Compact clusters repeat little of their neighbours.
+  EXPECT_LT(triangles, 1.25 * view.triangleCount());
+  EXPECT_LT(slots, 1.35 * view.vertexCount());
+}
+
+TEST(ClusterFrame, APointOfVeryManyTrianglesStillFits) {
+  pipeline::Primitive fan;
+  constexpr uint32_t kBlades = 3000;
+  fan.positions.push_back({0, 0, 0});
+  for (uint32_t i = 0; i < kBlades; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kBlades;
+    fan.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.0f});
+    fan.indices.insert(fan.indices.end(), {0u, 1 + i, 1 + (i + 1) % kBlades});
+  }
+  const Asset asset =
+      tests::cookAsset(tests::sceneOf(fan, [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y, p.z); }),
+                       tests::recipeOf({tests::axisLayer({1, 0, 0})}));
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(asset.view()).ok());
+  EXPECT_EQ(clusteredWeights(clusters, bestSimd(), {}, 1.0f), tests::evaluate(asset.view(), {1.0f}).weights);
+}
+
+TEST(ClusterFrame, RefusesWhatDoesNotFit) {
+  const Asset asset = tests::cookAsset(bumpy(4), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
+  Clusters clusters;
+  EXPECT_FALSE(ClusterFrameJob().validate().ok());
+  ASSERT_TRUE(clusters.build(asset.view()).ok());
+  std::vector<int16_t> weights(asset.view().vertexCount() * asset.view().weightStride());
+  std::vector<Float3> posed(asset.view().vertexCount());
+  ClusterFrameJob job;
+  job.clusters = &clusters;
+  job.posed = reinterpret_cast<const std::byte*>(posed.data());
+  job.weights = weights;
+  EXPECT_TRUE(job.validate().ok());
+  job.scale = 0.0f;
+  EXPECT_FALSE(job.validate().ok());
+  job.scale = 1.0f;
+  job.weights = std::span(weights).first(3);
+  EXPECT_FALSE(job.validate().ok());
+  job.weights = weights;
+  job.posed = nullptr;
+  EXPECT_FALSE(job.validate().ok());
+}
+
+}  // namespace
