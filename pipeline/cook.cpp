@@ -33,6 +33,7 @@ class Cook {
     stage("welding");
     weldVertices();
     const std::vector<glm::vec3> source_rest = restFloats();
+    inspectTriangles(source_rest);
     packParts();
     makeSurface(source_rest);
     stage("measuring the animation");
@@ -116,6 +117,37 @@ class Cook {
     weld_ = std::move(*made);
   }
 
+  // Draco drops faces without area, so the source's are looked at.
+  void inspectTriangles(const std::vector<glm::vec3>& source_rest) {
+    std::vector<glm::uvec3> triangles;
+    uint32_t first_vertex = 0;
+    for (const Part& part : scene_.parts) {
+      const Primitive& primitive = scene_.primitives[part.primitive];
+      for (const glm::uvec3& t : trianglesOf(primitive)) triangles.push_back(t + first_vertex);
+      first_vertex += static_cast<uint32_t>(primitive.positions.size());
+    }
+    report_.polygons = scene_.polygons;
+    report_.topology = inspect(source_rest, weld_.vertex_point, triangles);
+  }
+
+  void tellTopology() {
+    const auto tell = [&](uint32_t count, const char* what) {
+      if (count > 0) warn(std::to_string(count) + what);
+    };
+    const Topology& topology = report_.topology;
+    tell(topology.degenerate_triangles, " triangles have no area and are in no ring");
+    tell(topology.duplicate_triangles, " triangles have the corners of another one");
+    tell(topology.non_manifold_edges, " edges have more than two triangles");
+    tell(topology.isolated_vertices, " vertices are in no triangle");
+  }
+
+  static std::vector<glm::uvec3> trianglesOf(const Primitive& primitive) {
+    std::vector<glm::uvec3> triangles;
+    for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
+      triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
+    return triangles;
+  }
+
   bool needsSqueeze() const {
     return std::any_of(recipe_.layers.begin(), recipe_.layers.end(), [](const LayerRecipe& layer) {
       return std::holds_alternative<DirectionAnimation>(layer.direction) ||
@@ -161,9 +193,7 @@ class Cook {
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
       const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
-      std::vector<glm::uvec3> triangles;
-      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
-        triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
+      const std::vector<glm::uvec3> triangles = trianglesOf(primitive);
       const std::vector<glm::vec4> frames =
           primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
                                      : primitive.tangents;
@@ -302,11 +332,7 @@ class Cook {
       highest = glm::max(highest, p);
     }
     report_.diagonal = glm::distance(lowest, highest);
-    for (size_t t = 0; t < surface_.triangles.size(); ++t)
-      report_.degenerate_triangles += isDegenerate(surface_, t);
-    if (report_.degenerate_triangles > 0)
-      warn(std::to_string(report_.degenerate_triangles) + " of " + std::to_string(report_.triangles) +
-           " triangles have no area and are in no ring");
+    tellTopology();
     const bool some_without_uvs =
         std::any_of(parts_.begin(), parts_.end(), [](const PackedPart& part) { return !part.has_uvs; });
     if (some_without_uvs)

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/bake/topology.h"
+
 namespace furrow::pipeline {
 
 struct CookStage {
@@ -14,8 +16,9 @@ struct CookStage {
 };
 
 struct CookReport {
-  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
-           clips = 0;
+  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, morphs = 0, clips = 0;
+  uint32_t polygons = 0;        // of more than three corners, in the source
+  Topology topology;            // of the source's triangles
   double weld_tolerance = 0.0;  // root-space units
   double position_error = 0.0;  // root-space units
   double diagonal = 0.0;        // of the rest bounding box

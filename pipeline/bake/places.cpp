@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "runtime/src/near_cells.h"
+
 namespace furrow::pipeline {
 namespace {
 
@@ -14,15 +16,9 @@ constexpr size_t kBlock = 64;  // vertices whose memory is fetched while the one
 constexpr double kCellTolerances = 32;  // edge of a cell: most balls then lie in one
 constexpr uint64_t kMostTests = 1000;   // a vertex
 
-uint64_t hashOf(uint64_t x, uint64_t y, uint64_t z) {
-  uint64_t h = (x ^ std::rotl(y, 32)) * 0x9e3779b97f4a7c15u;
-  h = (h ^ (h >> 32) ^ z) * 0xd6e8feb86659fd93u;
-  return h ^ (h >> 32);
-}
-
 uint64_t hashOf(const glm::vec3& p) {  // adding zero turns -0 into 0
-  return hashOf(std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
-                std::bit_cast<uint32_t>(p.z + 0.0f));
+  return hashOfThree(std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
+                     std::bit_cast<uint32_t>(p.z + 0.0f));
 }
 
 // An open-addressed table of indices below `most`. What an index leaves free of its word holds bits of the
@@ -90,33 +86,34 @@ Places findExact(std::span<const glm::vec3> vertices) {
 
 // Positions by the cell they lie in, as lists that a table leads to. Cells whose hashes agree in slot and tag
 // share a list, which is rare and costs tests alone. A position that is new looks for earlier ones in every
-// cell that the box around its ball touches: one, or where the ball crosses a border of cells up to eight.
+// cell within reach.
 class NearSearch {
  public:
   NearSearch(std::span<const glm::vec3> vertices, float tolerance)
       : vertices_(vertices),
         tolerance_(tolerance),
-        inverse_edge_(1.0 / (kCellTolerances * tolerance_)),
+        cells_(tolerance_, kCellTolerances * tolerance_),
         table_(vertices.size()) {}
 
   std::optional<Places> run() {
     places_.vertex_position.resize(vertices_.size());
     places_.positions.reserve(vertices_.size());
     nodes_.reserve(vertices_.size());
-    std::array<Cells, kBlock> cells;
+    std::array<NearCells::Hashes, kBlock> near;
     for (size_t begin = 0; begin < vertices_.size(); begin += kBlock) {
       const size_t count = std::min(kBlock, vertices_.size() - begin);
       for (size_t i = 0; i < count; ++i) {
-        cells[i] = cellsOf(vertices_[begin + i]);
-        for (uint32_t c = 0; c < cells[i].count; ++c) table_.prefetch(cells[i].hashes[c]);
+        const glm::vec3& p = vertices_[begin + i];
+        near[i] = cells_.around(p.x, p.y, p.z);
+        for (uint32_t c = 0; c < near[i].count; ++c) table_.prefetch(near[i].cells[c]);
       }
       for (size_t i = 0; i < count; ++i)
-        if (const uint32_t entry = *table_.find(cells[i].hashes[0], kAny); entry != kNone) {
+        if (const uint32_t entry = *table_.find(near[i].cells[0], kAny); entry != kNone) {
           __builtin_prefetch(&places_.positions[table_.indexOf(entry)]);
           __builtin_prefetch(&nodes_[table_.indexOf(entry)]);
         }
       for (size_t i = 0; i < count; ++i)
-        places_.vertex_position[begin + i] = positionOf(vertices_[begin + i], cells[i]);
+        places_.vertex_position[begin + i] = positionOf(vertices_[begin + i], near[i]);
       if (tests_ > kMostTests * (begin + 1000)) return std::nullopt;
     }
     number();
@@ -124,47 +121,19 @@ class NearSearch {
   }
 
  private:
-  struct Cells {
-    std::array<uint64_t, 8> hashes;  // its own first
-    uint32_t count;
-  };
-
-  // The number of the cell around x, rounded by what adding 3 * 2^51 leaves of the fraction: ascending with
-  // x, which is all that is asked of it.
-  uint64_t cellOf(double x) const {
-    return std::bit_cast<uint64_t>(std::clamp(x * inverse_edge_, -0x1p51, 0x1p51) + 0x1.8p52);
-  }
-
-  Cells cellsOf(const glm::vec3& p) const {
-    uint64_t own[3], other[3];  // an axis: its cell, the neighbour that the box touches
-    for (int axis = 0; axis < 3; ++axis) {
-      own[axis] = cellOf(p[axis]);
-      const uint64_t low = cellOf(p[axis] - tolerance_);
-      other[axis] = low != own[axis] ? low : cellOf(p[axis] + tolerance_);
-    }
-    Cells cells;
-    cells.hashes[0] = hashOf(own[0], own[1], own[2]);
-    cells.count = 1;
-    const int touched = (other[0] != own[0]) | (other[1] != own[1]) << 1 | (other[2] != own[2]) << 2;
-    for (int side = touched; side != 0; side = (side - 1) & touched)  // every subset of the touched axes
-      cells.hashes[cells.count++] =
-          hashOf(side & 1 ? other[0] : own[0], side & 2 ? other[1] : own[1], side & 4 ? other[2] : own[2]);
-    return cells;
-  }
-
-  uint32_t positionOf(const glm::vec3& p, const Cells& cells) {
-    uint32_t* own = table_.find(cells.hashes[0], kAny);
+  uint32_t positionOf(const glm::vec3& p, const NearCells::Hashes& near) {
+    uint32_t* own = table_.find(near.cells[0], kAny);
     const uint32_t first = *own == kNone ? kNone : table_.indexOf(*own);
     for (uint32_t i = first; i != kNone; i = nodes_[i].next, ++tests_)
       if (places_.positions[i] == p) return i;
     const auto index = static_cast<uint32_t>(places_.positions.size());
     nodes_.push_back({first, index});
     uniteNear(first, p, index);
-    for (uint32_t c = 1; c < cells.count; ++c)
-      if (const uint32_t entry = *table_.find(cells.hashes[c], kAny); entry != kNone)
+    for (uint32_t c = 1; c < near.count; ++c)
+      if (const uint32_t entry = *table_.find(near.cells[c], kAny); entry != kNone)
         uniteNear(table_.indexOf(entry), p, index);
     places_.positions.push_back(p);
-    *own = table_.entryOf(cells.hashes[0], index);
+    *own = table_.entryOf(near.cells[0], index);
     return index;
   }
 
@@ -204,7 +173,7 @@ class NearSearch {
 
   std::span<const glm::vec3> vertices_;
   double tolerance_;
-  double inverse_edge_;
+  NearCells cells_;
   Table table_;              // to the last position of a cell
   std::vector<Node> nodes_;  // a position
   Places places_;

@@ -19,7 +19,10 @@ struct Rings {
 
 Rings makeRings(const Surface& surface);
 
-// Whether a triangle has a plane: its area is more than 1e-6 of the square of its longest edge.
+// Whether a triangle has a plane: twice its area is more than 1e-6 of the square of its longest edge.
+bool hasArea(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+// No area, or two corners in one point.
 bool isDegenerate(const Surface& surface, size_t triangle);
 
 }  // namespace furrow::pipeline

@@ -67,7 +67,8 @@ struct SourceScene {
   std::vector<Part> parts;  // by mesh in file order, then primitive, then node: this is source vertex order
   std::vector<Material> materials;
   Rig rig;
-  std::vector<std::string> warnings;                // one line each, without the file's name
+  uint32_t polygons = 0;              // faces of more than three corners that were cut into triangles
+  std::vector<std::string> warnings;  // one line each, without the file's name
   std::vector<std::filesystem::path> dependencies;  // every file read, `file` first
 };
 
