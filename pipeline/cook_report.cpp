@@ -12,6 +12,14 @@ std::string reportText(const CookReport& report, const std::string& asset) {
     stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
     seconds += stage.seconds;
   }
+  json layers = json::array();
+  for (const LayerReport& layer : report.layers) {
+    json& out = layers.emplace_back(
+        json{{"name", layer.name}, {"lambda", layer.response.lambda}, {"beta", layer.response.beta}});
+    if (layer.fit)
+      out["fit"] = {
+          {"target", layer.fit->target}, {"alpha", layer.fit->alpha}, {"weight", layer.fit->weight}};
+  }
   const json out = {{"asset", asset},
                     {"bytes", report.bytes},
                     {"vertices", report.vertices},
@@ -29,6 +37,7 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"clips", report.clips},
                     {"positionError", report.position_error},
                     {"diagonal", report.diagonal},
+                    {"layers", layers},
                     {"seconds", seconds},
                     {"stages", stages},
                     {"warnings", report.warnings}};

@@ -3,9 +3,11 @@
 // What a cook found out, for people and for build systems.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "furrow/asset.h"
 #include "pipeline/bake/topology.h"
 
 namespace furrow::pipeline {
@@ -13,6 +15,17 @@ namespace furrow::pipeline {
 struct CookStage {
   std::string name;
   double seconds = 0.0;
+};
+
+struct LayerReport {
+  std::string name;
+  Response response;
+  struct Fit {
+    double target;  // the weight asked for
+    double alpha;   // the squeeze that 95% of the layer's area stay at or below
+    double weight;  // what the response makes of it
+  };
+  std::optional<Fit> fit;  // none: lambda and beta were given
 };
 
 struct CookReport {
@@ -23,6 +36,7 @@ struct CookReport {
   double position_error = 0.0;  // root-space units
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
+  std::vector<LayerReport> layers;
   std::vector<CookStage> stages;
   std::vector<std::string> warnings;
 };
