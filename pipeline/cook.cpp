@@ -13,6 +13,7 @@
 #include "pipeline/bake/tangents.h"
 #include "pipeline/bake/weld.h"
 #include "pipeline/error.h"
+#include "pipeline/import/import.h"
 #include "pipeline/layer_bake.h"
 #include "pipeline/map_bake.h"
 #include "pipeline/pack/geometry.h"
@@ -32,6 +33,11 @@ class Cook {
 
   Cooked run() {
     check();
+    if (const auto* rest = std::get_if<RestFile>(&recipe_.rest)) {
+      const SourceScene file = import(rest->file);
+      rest_offsets_ = restOffsets(scene_, file);
+      dependencies_ = file.dependencies;
+    }
     stage("welding");
     weldVertices();
     const std::vector<glm::vec3> source_rest = restFloats();
@@ -115,7 +121,7 @@ class Cook {
   }
 
   void weldVertices() {
-    std::optional<Weld> made = weld(scene_, recipe_.weld_tolerance);
+    std::optional<Weld> made = weld(scene_, recipe_.weld_tolerance, rest_offsets_);
     if (!made)
       throw Error(Exit::kBadData, recipe_file_,
                   "weld.tolerance: thousands of vertices lie within a few of it of each other",
@@ -166,7 +172,8 @@ class Cook {
   std::vector<glm::vec3> restFloats() const {
     std::vector<glm::vec3> out;
     for (const Part& part : scene_.parts)
-      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest)) out.push_back(glm::vec3(p));
+      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest))
+        out.push_back(glm::vec3(rest_offsets_.empty() ? p : p + rest_offsets_[out.size()]));
     return out;
   }
 
@@ -415,6 +422,7 @@ class Cook {
   std::vector<std::pair<uint32_t, uint32_t>> place_points_;  // a slot of the hash
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
+  std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest
   double position_error_ = 0.0;
 };
 

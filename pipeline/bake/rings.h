@@ -19,10 +19,11 @@ struct Rings {
 
 Rings makeRings(const Surface& surface);
 
-// Whether a triangle has a plane: twice its area is more than 1e-6 of the square of its longest edge.
-bool hasArea(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+// Whether a triangle is more than 2000 times as long as high, so that its height is the rounding of its
+// corners.
+bool isNeedle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
-// No area, or two corners in one point.
+// Whether a triangle is no measure of anything: two corners are one point, or it is a needle.
 bool isDegenerate(const Surface& surface, size_t triangle);
 
 }  // namespace furrow::pipeline

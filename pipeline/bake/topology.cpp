@@ -18,7 +18,7 @@ Topology inspect(std::span<const glm::vec3> positions, std::span<const uint32_t>
     std::array<uint32_t, 3> points = {vertex_point[t.x], vertex_point[t.y], vertex_point[t.z]};
     std::sort(points.begin(), points.end());
     if (std::adjacent_find(points.begin(), points.end()) != points.end() ||
-        !hasArea(positions[t.x], positions[t.y], positions[t.z]))
+        isNeedle(positions[t.x], positions[t.y], positions[t.z]))
       ++found.degenerate_triangles;
     else
       corners.push_back(points);

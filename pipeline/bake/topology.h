@@ -9,7 +9,7 @@
 namespace furrow::pipeline {
 
 struct Topology {
-  uint32_t degenerate_triangles = 0;  // no area, or two corners in one point: in no ring
+  uint32_t degenerate_triangles = 0;  // needles, or two corners in one point: in no ring
   uint32_t duplicate_triangles = 0;   // the corners of one before, facing the same way or not
   uint32_t non_manifold_edges = 0;    // between two points, with more than two triangles
   uint32_t border_edges = 0;          // with one

@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <map>
-#include <span>
 #include <string>
 
 #include "pipeline/bake/perfect_hash.h"
@@ -133,7 +132,8 @@ std::vector<glm::vec3> sourcePositions(const SourceScene& scene) {
   return out;
 }
 
-std::optional<Weld> weld(const SourceScene& scene, std::optional<double> tolerance) {
+std::optional<Weld> weld(const SourceScene& scene, std::optional<double> tolerance,
+                         std::span<const glm::dvec3> rest_offsets) {
   const std::vector<glm::vec3> positions = sourcePositions(scene);
   const float rounding = roundingTolerance(positions, shortestEdges(scene, positions));
   Weld result;
@@ -164,6 +164,7 @@ std::optional<Weld> weld(const SourceScene& scene, std::optional<double> toleran
     for (uint32_t v = 0; v < count; ++v, ++vertex) {
       const uint32_t place = result.vertex_place[vertex];
       Motion motion = vertices_at[place] > 1 ? motions.of(part, v) : Motion();
+      if (!rest_offsets.empty()) motion.morphs.push_back({kNoIndex, glm::vec3(rest_offsets[vertex])});
       uint32_t* slot = &first_point[place];
       while (*slot != kNoIndex) {
         const Motion& other = motion_of_point[*slot];

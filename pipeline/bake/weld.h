@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/scene/source_scene.h"
@@ -28,7 +29,9 @@ std::vector<glm::vec3> sourcePositions(const SourceScene& scene);
 
 // Welds by those positions. Without a tolerance it is roundingTolerance() (places.h); 0 means equal bits (-0
 // equals 0). Displacements may differ by the tolerance too, and by rounding where it is 0; weights by a step
-// of 8 bits. Nothing is returned if the tolerance is far too coarse, see findPlaces().
-std::optional<Weld> weld(const SourceScene& scene, std::optional<double> tolerance);
+// of 8 bits. `rest_offsets`: a vertex, where a rest from another file moves it (restOffsets()); it counts as
+// one more displacement. Nothing is returned if the tolerance is far too coarse, see findPlaces().
+std::optional<Weld> weld(const SourceScene& scene, std::optional<double> tolerance,
+                         std::span<const glm::dvec3> rest_offsets = {});
 
 }  // namespace furrow::pipeline

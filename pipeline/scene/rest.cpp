@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <iterator>
 
 #include "pipeline/error.h"
 #include "pipeline/scene/posing.h"
@@ -19,6 +21,46 @@ size_t depth(const Rig& rig, uint32_t node) {
   size_t steps = 0;
   for (; rig.nodes[node].parent != kNoIndex; node = rig.nodes[node].parent) ++steps;
   return steps;
+}
+
+// Of all vertices in source order.
+std::vector<uint32_t> fileVertices(const SourceScene& scene) {
+  std::vector<uint32_t> out;
+  for (const Part& part : scene.parts) {
+    const Primitive& primitive = scene.primitives[part.primitive];
+    for (size_t v = 0; v < primitive.positions.size(); ++v)
+      out.push_back(primitive.file_vertices.empty() ? static_cast<uint32_t>(out.size())
+                                                    : primitive.file_vertices[v]);
+  }
+  return out;
+}
+
+std::vector<glm::dvec3> bindPositions(const SourceScene& scene) {
+  std::vector<glm::dvec3> out;
+  for (const Part& part : scene.parts) {
+    const std::vector<glm::dvec3> positions = restPositions(scene, part, RestBind{});
+    out.insert(out.end(), positions.begin(), positions.end());
+  }
+  return out;
+}
+
+// Pairs of file vertices, ascending, each once.
+std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const SourceScene& scene,
+                                                   const std::vector<uint32_t>& file_vertices) {
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  uint32_t first_vertex = 0;
+  for (const Part& part : scene.parts) {
+    const Primitive& primitive = scene.primitives[part.primitive];
+    for (size_t i = 0; i < primitive.indices.size(); ++i) {
+      const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+      edges.push_back(std::minmax(file_vertices[first_vertex + primitive.indices[i]],
+                                  file_vertices[first_vertex + primitive.indices[next]]));
+    }
+    first_vertex += static_cast<uint32_t>(primitive.positions.size());
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
 }
 
 }  // namespace
@@ -74,6 +116,52 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part
   const glm::dmat4 bind = bindMatrix(scene, part);
   for (glm::dvec3& p : positions) p = glm::dvec3(bind * glm::dvec4(p, 1.0));
   return positions;
+}
+
+std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file) {
+  const auto refuse = [&](const std::string& what, const char* remedy) -> Error {
+    return Error(Exit::kBadData, file.file.string(), what, remedy);
+  };
+  const std::vector<uint32_t> wanted = fileVertices(scene), given = fileVertices(file);
+  const size_t count = *std::max_element(wanted.begin(), wanted.end()) + size_t{1};
+  const size_t given_count = *std::max_element(given.begin(), given.end()) + size_t{1};
+  const std::string source = scene.file.filename().string();
+  const char* const same = "export it with the vertices of the source, in their order";
+  if (given_count != count)
+    throw refuse(
+        "it has " + std::to_string(given_count) + " vertices and " + source + " has " + std::to_string(count),
+        same);
+
+  constexpr double kNowhere = INFINITY;
+  std::vector<glm::dvec3> place(count, glm::dvec3(kNowhere)), bind_place(count);
+  const std::vector<glm::dvec3> given_positions = bindPositions(file), bind = bindPositions(scene);
+  for (size_t v = 0; v < given.size(); ++v) place[given[v]] = given_positions[v];
+  std::vector<glm::dvec3> offsets;
+  for (size_t v = 0; v < wanted.size(); ++v) {
+    if (place[wanted[v]].x == kNowhere)
+      throw refuse("no face has vertex " + std::to_string(wanted[v] + 1) + " of " + source, same);
+    bind_place[wanted[v]] = bind[v];
+    offsets.push_back(place[wanted[v]] - bind[v]);
+  }
+
+  // Polygons may have been cut into triangles in another way: then their sides are still the same.
+  const auto edges = edgesOf(scene, wanted), given_edges = edgesOf(file, given);
+  std::vector<std::pair<uint32_t, uint32_t>> shared;
+  std::set_intersection(edges.begin(), edges.end(), given_edges.begin(), given_edges.end(),
+                        std::back_inserter(shared));
+  if (2 * shared.size() < edges.size())
+    throw refuse("its faces join other vertices than those of " + source, same);
+  double length = 0.0, given_length = 0.0;
+  for (const auto& [a, b] : shared) {
+    length += glm::distance(bind_place[a], bind_place[b]);
+    given_length += glm::distance(place[a], place[b]);
+  }
+  constexpr double kOtherUnit = 3.0;
+  if (!(given_length < kOtherUnit * length && length < kOtherUnit * given_length))
+    throw refuse(
+        "its edges are " + std::to_string(given_length / length) + " times as long as those of " + source,
+        "export it in the unit of the source");
+  return offsets;
 }
 
 const Clip* findClip(const Rig& rig, const std::string& name) {

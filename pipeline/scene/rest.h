@@ -16,9 +16,14 @@ namespace furrow::pipeline {
 // and nodes above the skeleton change nothing.
 glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part);
 
-// Root-space rest positions of a part's vertices. Throws Error (kBadData) where the recipe names a clip or
-// morph the file lacks.
+// Root-space rest positions of a part's vertices; a RestFile counts as the bind pose, see restOffsets().
+// Throws Error (kBadData) where the recipe names a clip or morph the file lacks.
 std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part, const Rest& rest);
+
+// From every vertex's place in the bind pose to its place in `file`, root space, source order. The files' own
+// lists of vertices correspond. Throws Error (kBadData) naming `file` where they do not: other vertices,
+// other edges, another unit of length.
+std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file);
 
 // By name, or by number if no clip has that name; null if there is none.
 const Clip* findClip(const Rig& rig, const std::string& name_or_number);

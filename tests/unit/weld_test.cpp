@@ -202,6 +202,14 @@ TEST(Weld, JointsAreComparedByNodeWhateverTheirOrder) {
   EXPECT_EQ(weld(scene, {})->vertex_point, (std::vector<uint32_t>{0, 0, 0, 1, 0, 2, 2}));
 }
 
+TEST(Weld, ARestFromAnotherFilePartsWhatItMovesApart) {
+  const SourceScene scene = twoSheets(0.0f);
+  std::vector<glm::dvec3> offsets(2 * 49, glm::dvec3(0.0, 0.0, 0.1));
+  EXPECT_EQ(weld(scene, {}, offsets)->points, 2 * 49u - 7u);
+  for (size_t v = 49; v < offsets.size(); ++v) offsets[v].z = 0.2;
+  EXPECT_EQ(weld(scene, {}, offsets)->points, 2 * 49u);
+}
+
 TEST(Weld, TheAssetIsAtRestWherePositionsWereJittered) {
   const Asset asset = cookAsset(twoSheets(2.4e-7f), recipeOf({axisLayer({1, 0, 0})}));
   EXPECT_EQ(asset.view().pointCount(), 2 * 49u - 7u);
