@@ -171,9 +171,8 @@ class Cook {
   // Root-space rest positions of all parts in source order.
   std::vector<glm::vec3> restFloats() const {
     std::vector<glm::vec3> out;
-    for (const Part& part : scene_.parts)
-      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest))
-        out.push_back(glm::vec3(rest_offsets_.empty() ? p : p + rest_offsets_[out.size()]));
+    for (const glm::dvec3& p : restPositions(scene_, recipe_.rest))
+      out.push_back(glm::vec3(rest_offsets_.empty() ? p : p + rest_offsets_[out.size()]));
     return out;
   }
 
@@ -203,6 +202,7 @@ class Cook {
   // follows is baked from that.
   void packParts() {
     uint32_t first_vertex = 0;
+    const std::vector<glm::dmat4> bind = bindMatrices(scene_);
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
@@ -219,7 +219,7 @@ class Cook {
         packed.base_color = scene_.materials[part.material].base_color;
       }
       packed.palette_begin = part.palette_begin;
-      packed.rest = bindMatrix(scene_, part);
+      packed.rest = bind[parts_.size()];
       packed.has_normals = !primitive.normals.empty();
       packed.has_uvs = !primitive.uvs.empty();
       influences_ = std::max(influences_, influencesOf(packed));

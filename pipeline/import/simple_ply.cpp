@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace furrow::pipeline {
 namespace {
@@ -53,29 +54,31 @@ class Simplifier {
 
   std::vector<uint8_t> run() {
     readHeader();
-    out_ = "ply\nformat " + std::string(format_) + " 1.0\n";
+    add("ply\nformat " + std::string(format_) + " 1.0\n");
     bool faces = false;
     for (const Element& element : elements_) {
       if (element.name != "vertex" && element.name != "face") continue;
-      out_ += "element " + std::string(element.name) + " " + std::to_string(element.count) + "\n";
+      add("element " + std::string(element.name) + " " + std::to_string(element.count) + "\n");
       for (const Property& property : element.properties) {
         if (!property.kept) continue;
-        out_ += "property ";
-        if (property.count) out_ += "list " + std::string(property.count->count_name) + " ";
-        out_ += std::string(property.type->name) + " " + std::string(property.name) + "\n";
+        add("property ");
+        if (property.count) add("list " + std::string(property.count->count_name) + " ");
+        add(std::string(property.type->name) + " " + std::string(property.name) + "\n");
         faces |= property.count && element.count > 0;
       }
     }
     if (!faces) fail("it has no faces: it is a cloud of points");
-    out_ += "end_header\n";
+    add("end_header\n");
     for (const Element& element : elements_) {
       for (size_t i = 0; i < element.count; ++i) copyRow(element);
       if (element.name == "face") break;  // nothing is needed of what follows
     }
-    return {out_.begin(), out_.end()};
+    return std::move(out_);
   }
 
  private:
+  void add(std::string_view text) { out_.insert(out_.end(), text.begin(), text.end()); }
+
   std::string_view line() {
     const size_t end = rest_.find('\n');
     if (end == std::string_view::npos) fail("its header does not end");
@@ -159,7 +162,7 @@ class Simplifier {
         if (property.kept) copy(next);
       }
     }
-    if (format_ == "ascii") out_ += '\n';
+    if (format_ == "ascii") out_.push_back('\n');
   }
 
   std::string_view value(const Type& type) {
@@ -175,8 +178,8 @@ class Simplifier {
   }
 
   void copy(std::string_view value) {
-    out_ += value;
-    if (format_ == "ascii") out_ += ' ';
+    add(value);
+    if (format_ == "ascii") out_.push_back(' ');
   }
 
   size_t number(std::string_view count) const {
@@ -195,7 +198,7 @@ class Simplifier {
 
   std::string_view rest_, format_;
   std::vector<Element> elements_;
-  std::string out_;
+  std::vector<uint8_t> out_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <iterator>
+#include <map>
 
 #include "pipeline/error.h"
 #include "pipeline/scene/posing.h"
@@ -23,6 +24,24 @@ size_t depth(const Rig& rig, uint32_t node) {
   return steps;
 }
 
+glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part, const std::vector<glm::dmat4>& palette) {
+  if (!part.skinned || part.palette_count == 0) return palette[part.palette_begin];
+  uint32_t top = part.palette_begin;
+  std::vector<double> scales;
+  for (uint32_t i = part.palette_begin; i < part.palette_begin + part.palette_count; ++i) {
+    scales.push_back(uniformScale(palette[i]));
+    if (depth(scene.rig, scene.rig.palette[i].node) < depth(scene.rig, scene.rig.palette[top].node)) top = i;
+  }
+  std::nth_element(scales.begin(), scales.begin() + scales.size() / 2, scales.end());
+  const double median = scales[scales.size() / 2];
+  const double own = uniformScale(palette[top]);
+  glm::dmat4 bind = palette[top];
+  if (!(own > 0.0) || !(median > 0.0)) return glm::dmat4(1.0);
+  if (std::abs(median / own - 1.0) > 1e-4)
+    for (int c = 0; c < 3; ++c) bind[c] *= median / own;
+  return bind;
+}
+
 // Of all vertices in source order.
 std::vector<uint32_t> fileVertices(const SourceScene& scene) {
   std::vector<uint32_t> out;
@@ -31,15 +50,6 @@ std::vector<uint32_t> fileVertices(const SourceScene& scene) {
     for (size_t v = 0; v < primitive.positions.size(); ++v)
       out.push_back(primitive.file_vertices.empty() ? static_cast<uint32_t>(out.size())
                                                     : primitive.file_vertices[v]);
-  }
-  return out;
-}
-
-std::vector<glm::dvec3> bindPositions(const SourceScene& scene) {
-  std::vector<glm::dvec3> out;
-  for (const Part& part : scene.parts) {
-    const std::vector<glm::dvec3> positions = restPositions(scene, part, RestBind{});
-    out.insert(out.end(), positions.begin(), positions.end());
   }
   return out;
 }
@@ -65,27 +75,15 @@ std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const SourceScene& scene,
 
 }  // namespace
 
-glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part) {
+std::vector<glm::dmat4> bindMatrices(const SourceScene& scene) {
   const std::vector<glm::dmat4> palette = evaluate(scene.rig, defaultPose(scene.rig)).palette;
-  if (!part.skinned || part.palette_count == 0) return palette[part.palette_begin];
-  uint32_t top = part.palette_begin;
-  std::vector<double> scales;
-  for (uint32_t i = part.palette_begin; i < part.palette_begin + part.palette_count; ++i) {
-    scales.push_back(uniformScale(palette[i]));
-    if (depth(scene.rig, scene.rig.palette[i].node) < depth(scene.rig, scene.rig.palette[top].node)) top = i;
-  }
-  std::nth_element(scales.begin(), scales.begin() + scales.size() / 2, scales.end());
-  const double median = scales[scales.size() / 2];
-  const double own = uniformScale(palette[top]);
-  glm::dmat4 bind = palette[top];
-  if (!(own > 0.0) || !(median > 0.0)) return glm::dmat4(1.0);
-  if (std::abs(median / own - 1.0) > 1e-4)
-    for (int c = 0; c < 3; ++c) bind[c] *= median / own;
-  return bind;
+  std::vector<glm::dmat4> out;
+  for (const Part& part : scene.parts) out.push_back(bindMatrix(scene, part, palette));
+  return out;
 }
 
-std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part, const Rest& rest) {
-  const Primitive& primitive = scene.primitives[part.primitive];
+std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Rest& rest) {
+  std::vector<glm::dvec3> out;
   if (const auto* at = std::get_if<RestClip>(&rest)) {
     const Clip* clip = findClip(scene.rig, at->clip);
     if (!clip) {
@@ -96,26 +94,36 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part
     }
     Pose pose = defaultPose(scene.rig);
     applyClip(scene.rig, *clip, at->time, pose);
-    return posePart(scene, part, evaluate(scene.rig, pose));
-  }
-  std::vector<glm::dvec3> positions(primitive.positions.begin(), primitive.positions.end());
-  if (const auto* morphs = std::get_if<RestMorphs>(&rest)) {
-    for (const auto& [name, weight] : morphs->weights) {
-      const auto has_name = [&name = name](const MorphTarget& target) { return target.name == name; };
-      if (std::none_of(scene.rig.morphs.begin(), scene.rig.morphs.end(), has_name))
-        throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
-                    "correct \"rest\" in the recipe");
-      for (size_t m = 0; m < primitive.morphs.size(); ++m) {
-        if (scene.rig.morphs[part.first_morph + m].name != name) continue;
-        const MorphDelta& delta = primitive.morphs[m];
-        for (size_t i = 0; i < delta.vertices.size(); ++i)
-          positions[delta.vertices[i]] += weight * glm::dvec3(delta.positions[i]);
-      }
+    const PosedRig posed = evaluate(scene.rig, pose);
+    for (const Part& part : scene.parts) {
+      const std::vector<glm::dvec3> positions = posePart(scene, part, posed);
+      out.insert(out.end(), positions.begin(), positions.end());
     }
+    return out;
   }
-  const glm::dmat4 bind = bindMatrix(scene, part);
-  for (glm::dvec3& p : positions) p = glm::dvec3(bind * glm::dvec4(p, 1.0));
-  return positions;
+  const auto* morphs = std::get_if<RestMorphs>(&rest);
+  for (const auto& [name, weight] : morphs ? morphs->weights : std::map<std::string, double>{}) {
+    const auto has_name = [&name = name](const MorphTarget& target) { return target.name == name; };
+    if (std::none_of(scene.rig.morphs.begin(), scene.rig.morphs.end(), has_name))
+      throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
+                  "correct \"rest\" in the recipe");
+  }
+  const std::vector<glm::dmat4> bind = bindMatrices(scene);
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
+    const Part& part = scene.parts[i];
+    const Primitive& primitive = scene.primitives[part.primitive];
+    const size_t first = out.size();
+    out.insert(out.end(), primitive.positions.begin(), primitive.positions.end());
+    for (size_t m = 0; morphs && m < primitive.morphs.size(); ++m) {
+      const auto weight = morphs->weights.find(scene.rig.morphs[part.first_morph + m].name);
+      if (weight == morphs->weights.end()) continue;
+      const MorphDelta& delta = primitive.morphs[m];
+      for (size_t k = 0; k < delta.vertices.size(); ++k)
+        out[first + delta.vertices[k]] += weight->second * glm::dvec3(delta.positions[k]);
+    }
+    for (size_t v = first; v < out.size(); ++v) out[v] = glm::dvec3(bind[i] * glm::dvec4(out[v], 1.0));
+  }
+  return out;
 }
 
 std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file) {
@@ -134,7 +142,8 @@ std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene&
 
   constexpr double kNowhere = INFINITY;
   std::vector<glm::dvec3> place(count, glm::dvec3(kNowhere)), bind_place(count);
-  const std::vector<glm::dvec3> given_positions = bindPositions(file), bind = bindPositions(scene);
+  const std::vector<glm::dvec3> given_positions = restPositions(file, RestBind{}),
+                                bind = restPositions(scene, RestBind{});
   for (size_t v = 0; v < given.size(); ++v) place[given[v]] = given_positions[v];
   std::vector<glm::dvec3> offsets;
   for (size_t v = 0; v < wanted.size(); ++v) {

@@ -298,6 +298,32 @@ TEST(Import, JsonMayBePaddedWithZeros) {
   EXPECT_EQ(count(importText("padded.glb", glb)).triangles, 1u);
 }
 
+// Images, materials, lights, cameras and extensions of avatars, broken or not.
+TEST(Import, WhatFurrowDoesNotUseDoesNoHarm) {
+  GltfBuilder file = triangleFile();
+  file.add<uint16_t>({0, 0, 0, 0, 65535, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4, R"(,"normalized":true)");
+  file.add<uint32_t>({7, 8, 9}, "SCALAR", 1);
+  const SourceScene scene =
+      importText("avatar.glb", file.glb(R"("scene":0,"scenes":[{"nodes":[0,1,2],"name":""}],
+    "nodes":[{"mesh":0,"name":"\u00e9t\u00e9","scale":[-1,1,1],"extensions":{"KHR_lights_punctual":{"light":3},"MSFT_lod":{"ids":[9]},
+      "EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":99}}}},{"camera":4,"name":"x"},{"name":"x"}],
+    "meshes":[{"name":"","primitives":[{"attributes":{"POSITION":0,"COLOR_0":1,"__LAYER":2,"FEATURE_ID_0":2},"material":0,
+      "extensions":{"KHR_materials_variants":{"mappings":[{"material":7}]}}}]}],
+    "materials":[{"name":"Haut \u00fc","pbrMetallicRoughness":{"baseColorTexture":{"index":7}},"extensions":{"VRMC_materials_mtoon":{}}}],
+    "images":[{"bufferView":99,"mimeType":"image/ktx2"},{"uri":"nowhere.png"}],"textures":[{"source":5}],"cameras":[{}],
+    "animations":[{"channels":[{"sampler":0,"target":{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/x"}}}}],
+      "samplers":[{"input":0,"output":0}]}],
+    "extensionsUsed":["VRM","MSFT_lod","EXT_mesh_gpu_instancing","KHR_lights_punctual"],
+    "extensions":{"VRM":{"blendShapeMaster":{"blendShapeGroups":[]}},"KHR_lights_punctual":{"lights":[]}})"));
+  expectSound(scene);
+  EXPECT_EQ(count(scene), (Counts{3, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(scene.parts[0].mesh, "\u00e9t\u00e9");
+  ASSERT_EQ(scene.primitives[0].attributes.size(), 2u);
+  EXPECT_EQ(scene.primitives[0].attributes[0].values[4], 1.0f);
+  EXPECT_EQ(scene.primitives[0].attributes[1].values[2], 9.0f);
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("animation 0 is left out")));
+}
+
 TEST(Import, RequiredExtensionsAreKnownOrNamed) {
   const auto requiring = [](const std::string& name) {
     return triangleFile().glb(shown(kTriangle, R"("extensionsRequired":[")" + name + "\"]"));
