@@ -31,7 +31,7 @@ class Motions {
       const MorphTarget& target = scene.rig.morphs[m];
       morph_id_.push_back(target.name.empty() ? m : names.try_emplace(target.name, m).first->second);
     }
-    for (const Part& part : scene.parts) to_root_.emplace_back(bindMatrix(scene, part));
+    for (const glm::dmat4& bind : bindMatrices(scene)) to_root_.emplace_back(bind);
     rows_.resize(scene.primitives.size());
   }
 
@@ -121,10 +121,11 @@ double shortestEdges(const SourceScene& scene, std::span<const glm::vec3> positi
 
 std::vector<glm::vec3> sourcePositions(const SourceScene& scene) {
   std::vector<glm::vec3> out;
-  for (const Part& part : scene.parts) {
+  const std::vector<glm::dmat4> bind = bindMatrices(scene);
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
     Affine rest;
-    std::ranges::copy(affineRows(bindMatrix(scene, part)), rest.m);
-    for (const glm::vec3& p : scene.primitives[part.primitive].positions) {
+    std::ranges::copy(affineRows(bind[i]), rest.m);
+    for (const glm::vec3& p : scene.primitives[scene.parts[i].primitive].positions) {
       const Float3 placed = transformed(rest, {p.x, p.y, p.z});
       out.emplace_back(placed.x, placed.y, placed.z);
     }
