@@ -36,6 +36,7 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"morphTargets", report.morphs},
                     {"clips", report.clips},
                     {"positionError", report.position_error},
+                    {"morphError", report.morph_error},
                     {"diagonal", report.diagonal},
                     {"layers", layers},
                     {"seconds", seconds},

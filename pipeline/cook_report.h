@@ -33,7 +33,8 @@ struct CookReport {
   uint32_t polygons = 0;        // of more than three corners, in the source
   Topology topology;            // of the source's triangles
   double weld_tolerance = 0.0;  // root-space units
-  double position_error = 0.0;  // root-space units
+  double position_error = 0.0;  // of a vertex at rest, root-space units
+  double morph_error = 0.0;     // of a displacement by a morph target at weight 1
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
   std::vector<LayerReport> layers;

@@ -57,6 +57,7 @@ nlohmann::json describe(const OpenedAsset& opened) {
           {"influences", a.influences},
           {"paletteEntries", a.palette.size()},
           {"positionError", a.position_error},
+          {"morphError", a.morph_error},
           {"sections",
            {{"textures", texture_bytes},
             {"placeHash", a.place_hash.size()},
@@ -82,10 +83,10 @@ void print(const nlohmann::json& j) {
   std::printf("\n  GPU memory: %llu bytes an asset, %llu an instance\n", number("gpuBytesPerAsset"),
               number("gpuBytesPerInstance"));
   std::printf(
-      "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries, position error "
-      "%g\n",
+      "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries; error "
+      "of positions %g, of morph targets %g\n",
       number("vertices"), number("triangles"), number("points"), number("influences"),
-      number("paletteEntries"), j["positionError"].get<double>());
+      number("paletteEntries"), j["positionError"].get<double>(), j["morphError"].get<double>());
   for (const auto& p : j["parts"])
     std::printf("  part   %s / %s: %llu vertices, %llu triangles\n", p["mesh"].get<std::string>().c_str(),
                 p["material"].get<std::string>().c_str(), p["vertices"].get<unsigned long long>(),
