@@ -49,8 +49,9 @@ class Cook {
       dependencies_ = file.dependencies;
     }
     stage("welding");
+    weldVertices();
     std::vector<glm::vec3> source_rest = restFloats();
-    weld_ = weld(scene_, source_rest);
+    inspectTriangles(source_rest);
     stage("packing geometry");
     packParts();
     makeSurface(std::move(source_rest));
@@ -123,9 +124,6 @@ class Cook {
 
   void check() {
     report_.warnings = scene_.warnings;
-    if (recipe_.weld_tolerance != 0.0)
-      throw Error(Exit::kBadData, recipe_file_,
-                  "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
     for (LayerRecipe& layer : recipe_.layers) resolveDrivers(layer);
     if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
       throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets",
@@ -152,6 +150,44 @@ class Cook {
     if (!layer.driver_table.empty() && layer.drivers.empty())
       warn("layer \"" + layer.name + "\": no morph target is one of " + layer.driver_table);
     layer.driver_table.clear();
+  }
+
+  void weldVertices() {
+    std::optional<Weld> made = weld(scene_, recipe_.weld_tolerance, rest_offsets_);
+    if (!made)
+      throw Error(Exit::kBadData, recipe_file_,
+                  "weld.tolerance: thousands of vertices lie within a few of it of each other",
+                  "give a length well below that of the edges, or leave it out");
+    weld_ = std::move(*made);
+    recipe_.weld_tolerance = weld_.tolerance;
+  }
+
+  // Draco drops faces without area, so the source's are looked at.
+  void inspectTriangles(const std::vector<glm::vec3>& source_rest) {
+    std::vector<glm::uvec3> triangles;
+    uint32_t first_vertex = 0;
+    for (const Part& part : scene_.parts) {
+      const Primitive& primitive = scene_.primitives[part.primitive];
+      for (const glm::uvec3& t : trianglesOf(primitive)) triangles.push_back(t + first_vertex);
+      first_vertex += static_cast<uint32_t>(primitive.positions.size());
+    }
+    report_.polygons = scene_.polygons;
+    report_.topology = inspect(source_rest, weld_.vertex_point, triangles);
+  }
+
+  void tellTopology() {
+    const auto tell = [&](uint32_t count, const char* what) {
+      if (count > 0) warn(std::to_string(count) + what);
+    };
+    const Topology& topology = report_.topology;
+    tell(topology.degenerate_triangles, " triangles have no area and are in no ring");
+    tell(topology.duplicate_triangles, " triangles have the corners of another one");
+    tell(topology.non_manifold_edges, " edges have more than two triangles");
+    tell(topology.isolated_vertices, " vertices are in no triangle");
+  }
+
+  static std::span<const glm::uvec3> trianglesOf(const Primitive& primitive) {
+    return {reinterpret_cast<const glm::uvec3*>(primitive.indices.data()), primitive.indices.size() / 3};
   }
 
   bool needsSqueeze() const {
@@ -211,8 +247,7 @@ class Cook {
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
       const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
-      const std::span triangles(reinterpret_cast<const glm::uvec3*>(primitive.indices.data()),
-                                primitive.indices.size() / 3);
+      const std::span<const glm::uvec3> triangles = trianglesOf(primitive);
       const std::vector<glm::vec4> frames =
           primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
                                      : primitive.tangents;
@@ -309,18 +344,19 @@ class Cook {
     std::partial_sum(first_of_place.begin(), first_of_place.end(), first_of_place.begin());
     std::vector<uint32_t> points_by_place(weld_.points), free = first_of_place;
     for (uint32_t p = 0; p < weld_.points; ++p) points_by_place[free[place_of_point[p]]++] = p;
-    std::vector<uint32_t> number(weld_.points, kNoIndex);
-    place_points_.assign(weld_.places, {0, 0});
+    std::vector<uint32_t> number(weld_.points, kNoIndex), first_point(weld_.places);
     uint32_t next = 0;
     for (uint32_t point : source_point) {
       if (number[point] == kNoIndex) {
         const uint32_t place = place_of_point[point];
         const uint32_t begin = first_of_place[place], end = first_of_place[place + 1];
-        place_points_[place] = {next, end - begin};
+        first_point[place] = next;
         for (uint32_t i = begin; i < end; ++i) number[points_by_place[i]] = next++;
       }
       surface_.vertex_point.push_back(number[point]);
     }
+    for (uint32_t place : weld_.slot_place)
+      place_points_.push_back({first_point[place], first_of_place[place + 1] - first_of_place[place]});
   }
 
   void pointGeometry() {
@@ -401,6 +437,7 @@ class Cook {
   void report() {
     report_.vertices = static_cast<uint32_t>(surface_.positions.size());
     report_.triangles = static_cast<uint32_t>(surface_.triangles.size());
+    report_.weld_tolerance = weld_.tolerance;
     report_.places = weld_.places;
     report_.points = weld_.points;
     report_.morphs = static_cast<uint32_t>(scene_.rig.morphs.size());
@@ -412,11 +449,7 @@ class Cook {
       highest = glm::max(highest, p);
     }
     report_.diagonal = glm::distance(lowest, highest);
-    for (size_t t = 0; t < surface_.triangles.size(); ++t)
-      report_.degenerate_triangles += isDegenerate(surface_, t);
-    if (report_.degenerate_triangles > 0)
-      warn(std::to_string(report_.degenerate_triangles) + " of " + std::to_string(report_.triangles) +
-           " triangles have no area and are in no ring");
+    tellTopology();
     const bool some_without_uvs =
         std::any_of(parts_.begin(), parts_.end(), [](const PackedPart& part) { return !part.has_uvs; });
     if (some_without_uvs)
@@ -434,7 +467,7 @@ class Cook {
   std::vector<PackedPart> parts_;
   std::vector<PartGeometry> geometry_;
   std::vector<uint32_t> source_vertex_;
-  std::vector<std::pair<uint32_t, uint32_t>> place_points_;
+  std::vector<std::pair<uint32_t, uint32_t>> place_points_;  // a slot of the hash
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
   std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "furrow/asset.h"
+#include "pipeline/bake/topology.h"
 
 namespace furrow::pipeline {
 
@@ -37,8 +38,10 @@ struct TextureReport {
 };
 
 struct CookReport {
-  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
-           clips = 0;
+  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, morphs = 0, clips = 0;
+  uint32_t polygons = 0;        // of more than three corners, in the source
+  Topology topology;            // of the source's triangles
+  double weld_tolerance = 0.0;  // root-space units
   double position_error = 0.0;  // of a vertex at rest, root-space units
   double morph_error = 0.0;     // of a displacement by a morph target at weight 1
   double diagonal = 0.0;        // of the rest bounding box

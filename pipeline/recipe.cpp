@@ -104,7 +104,8 @@ class Reader {
     Recipe recipe;
     recipe.file = std::filesystem::absolute(file_).lexically_normal();
     if (j.contains("rest")) recipe.rest = rest(j["rest"]);
-    if (j.contains("weld")) recipe.weld_tolerance = j["weld"].value("tolerance", 0.0);
+    if (j.contains("weld") && j["weld"].contains("tolerance"))
+      recipe.weld_tolerance = j["weld"]["tolerance"].get<double>();
     recipe.map_size = j.value("mapSize", 0u);
     for (const json& l : j["layers"]) {
       recipe.layers.push_back(layer(l, "layers[" + std::to_string(recipe.layers.size()) + ']'));

@@ -109,7 +109,7 @@ struct LayerRecipe {
 struct Recipe {
   std::filesystem::path file;  // empty for the default recipe
   Rest rest = RestBind{};
-  double weld_tolerance = 0.0;
+  std::optional<double> weld_tolerance;  // default: worked out from the bounding box
   uint32_t map_size =
       0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
   std::vector<LayerRecipe> layers;

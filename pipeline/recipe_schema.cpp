@@ -188,8 +188,10 @@ const RecipeShape& recipeShape() {
       {{"$schema", text(), "Where an editor finds this schema; not read."},
        {"rest", describeRest(), "The pose in which the surface is relaxed; default \"bind\", the bind pose."},
        {"weld",
-        object({{"tolerance", number(0, kLength),
-                 "Vertices at most so far apart, in the scene's unit, are one place; default 0."}}),
+        object(
+            {{"tolerance", number(0, kLength),
+              "Vertices at most so far apart, in the scene's unit, are one place; 0: equal positions alone. "
+              "Default: a millionth of the largest coordinate, so that rounding opens no seam."}}),
         "How vertices are welded into points."},
        {"mapSize", integer(16, 8192),
         "Largest side of a wrinkle map, in texels; default: worked out, at most 2048."},

@@ -22,7 +22,9 @@ class Writer {
   explicit Writer(const std::filesystem::path& folder) : folder_(folder) {}
 
   json recipe(const Recipe& recipe) const {
-    json out = {{"rest", rest(recipe.rest)}, {"weld", {{"tolerance", recipe.weld_tolerance}}}};
+    json out = {{"rest", rest(recipe.rest)}};
+    if (recipe.weld_tolerance)
+      out["weld"] = {{"tolerance", number(static_cast<float>(*recipe.weld_tolerance))}};
     if (recipe.map_size != 0) out["mapSize"] = recipe.map_size;
     out["layers"] = json::array();
     for (const LayerRecipe& l : recipe.layers) out["layers"].push_back(layer(l));

@@ -14,13 +14,15 @@ constexpr double kThinnest = 1.0 / 2000.0;  // height of a triangle over its lon
 
 }  // namespace
 
+bool isNeedle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const double longest = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
+  return !(glm::length(glm::cross(b - a, c - a)) > kThinnest * longest);
+}
+
 bool isDegenerate(const Surface& surface, size_t triangle) {
   const glm::uvec3 p = surface.trianglePoints(triangle);
   if (p.x == p.y || p.y == p.z || p.z == p.x) return true;
-  const glm::dvec3 a = surface.point_positions[p.x], b = surface.point_positions[p.y],
-                   c = surface.point_positions[p.z];
-  const double longest = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
-  return !(glm::length(glm::cross(b - a, c - a)) > kThinnest * longest);
+  return isNeedle(surface.point_positions[p.x], surface.point_positions[p.y], surface.point_positions[p.z]);
 }
 
 Rings makeRings(const Surface& surface) {

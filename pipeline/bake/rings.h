@@ -19,8 +19,11 @@ struct Rings {
 
 Rings makeRings(const Surface& surface);
 
-// Whether a triangle is no measure of anything: two corners are one point, or it is a needle more than 2000
-// times as long as high, whose height is the rounding of its corners.
+// Whether a triangle is more than 2000 times as long as high, so that its height is the rounding of its
+// corners.
+bool isNeedle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+// Whether a triangle is no measure of anything: two corners are one point, or it is a needle.
 bool isDegenerate(const Surface& surface, size_t triangle);
 
 }  // namespace furrow::pipeline

@@ -70,6 +70,7 @@ struct SourceScene {
   std::vector<Material> materials;
   Rig rig;
   bool sequence = false;                            // the morph targets are the frames of the one clip
+  uint32_t polygons = 0;                            // faces of more than three corners, cut into triangles
   std::vector<std::string> warnings;                // one line each, without the file's name
   std::vector<std::filesystem::path> dependencies;  // every file read, `file` first
 };

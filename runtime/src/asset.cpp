@@ -196,7 +196,8 @@ class Loader {
     if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok())
       return status;
     for (size_t i = 0; i < places; ++i)
-      if (s_.place_points[2 * i] > points() || s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i])
+      if (s_.place_points[2 * i] >= points() || s_.place_points[2 * i + 1] == 0 ||
+          s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i])
         return bad("a place's points are out of range");
     return {};
   }

@@ -24,6 +24,15 @@ struct Affine {
   float m[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 };
 
+// M p, computed in double and rounded once.
+inline Float3 transformed(const Affine& matrix, Float3 p) {
+  const auto row = [&](int r) {
+    const float* m = matrix.m + 4 * r;
+    return static_cast<float>(((double{m[0]} * p.x + double{m[1]} * p.y) + double{m[2]} * p.z) + m[3]);
+  };
+  return {row(0), row(1), row(2)};
+}
+
 static_assert(sizeof(Float2) == 8 && sizeof(Float3) == 12 && sizeof(Float4) == 16 && sizeof(Affine) == 48);
 
 inline constexpr uint32_t kAbsent = 0xffffffffu;  // "no index"
