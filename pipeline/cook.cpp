@@ -20,6 +20,8 @@
 namespace furrow::pipeline {
 namespace {
 
+constexpr double kMuchUnsure = 0.5;  // of a layer's surface
+
 class Cook {
  public:
   Cook(SourceScene scene, const Recipe& recipe, const CookOptions& options)
@@ -51,7 +53,16 @@ class Cook {
     stage("baking layers");
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, recipe_file_};
     std::vector<BakedLayer> layers;
-    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
+    for (const LayerRecipe& layer : recipe_.layers) {
+      layers.push_back(bakeLayer(input, layer, dependencies_));
+      const double unsure = layers.back().unsure;
+      report_.layers.push_back({layer.name, unsure});
+      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !squeeze.any();
+      if (unsure > kMuchUnsure && !still)
+        warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
+             std::to_string(std::lround(100.0 * unsure)) +
+             "% of its surface: see --view confidence, and draw guide curves or mask that part");
+    }
     stage("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
     for (uint32_t s = 0; s < sets.size(); ++s)

@@ -12,6 +12,9 @@ std::string reportText(const CookReport& report, const std::string& asset) {
     stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
     seconds += stage.seconds;
   }
+  json layers = json::array();
+  for (const CookLayer& layer : report.layers)
+    layers.push_back({{"name", layer.name}, {"lowConfidence", layer.low_confidence}});
   const json out = {{"asset", asset},
                     {"bytes", report.bytes},
                     {"vertices", report.vertices},
@@ -25,6 +28,7 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"diagonal", report.diagonal},
                     {"seconds", seconds},
                     {"stages", stages},
+                    {"layers", layers},
                     {"warnings", report.warnings}};
   // A name in a file need not be UTF-8.
   return out.dump(2, ' ', false, json::error_handler_t::replace) + '\n';

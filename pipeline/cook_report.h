@@ -13,6 +13,12 @@ struct CookStage {
   double seconds = 0.0;
 };
 
+struct CookLayer {
+  std::string name;
+  double low_confidence =
+      0.0;  // share of the area under its mask where its direction is little more than a guess
+};
+
 struct CookReport {
   uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
            clips = 0;
@@ -20,6 +26,7 @@ struct CookReport {
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
   std::vector<CookStage> stages;
+  std::vector<CookLayer> layers;
   std::vector<std::string> warnings;
 };
 

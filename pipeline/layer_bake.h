@@ -17,6 +17,7 @@ struct BakedLayer {
   std::vector<bool> covered;        // a triangle
   std::vector<float> coefficients;  // the layer's measure
   std::vector<float> bias;          // a point; empty: none
+  double unsure = 0.0;              // share of the area under its mask where confidence is low
 };
 
 struct LayerInput {
@@ -27,8 +28,8 @@ struct LayerInput {
   std::string recipe_file;  // for messages
 };
 
-// Throws Error (kBadData): a mesh, material or attribute that the scene lacks, a mask that is empty.
-// `dependencies` gains the images read.
+// Throws Error (kBadData): a mesh, material, attribute or lines that the scene lacks, a mask that is empty,
+// guide curves off the surface, an image that cannot be used. `dependencies` gains the images read.
 BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
                      std::vector<std::filesystem::path>& dependencies);
 

@@ -129,7 +129,14 @@ class Reader {
   }
 
   Direction direction(const json& j, const std::string& at) const {
+    if (j == "map") return DirectionMap{};
     if (j.is_string() || j.contains("animation")) return DirectionAnimation{};
+    if (j.contains("texture")) return DirectionTexture{path(j["texture"])};
+    if (j.contains("guides")) {
+      const json& guides = j["guides"];
+      if (guides.is_object()) return DirectionGuides{{}, guides["lines"].get<std::string>()};
+      return DirectionGuides{guides.get<std::vector<std::vector<std::array<double, 3>>>>(), {}};
+    }
     if (j.contains("attribute")) return DirectionAttribute{j["attribute"].get<std::string>()};
     auto axis = j["axis"].get<std::array<double, 3>>();
     double length = std::hypot(axis[0], axis[1], axis[2]);

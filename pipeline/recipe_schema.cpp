@@ -82,13 +82,22 @@ Shape describeRest() {
 }
 
 Shape describeDirection() {
-  return either({word({"animation"}, {"texture", "guides", "map"}),
-                 forms({"axis", "attribute", "animation"},
-                       {{"axis", list(number(-kLength, kLength), 3, 3),
-                         "Direction across the creases, in the scene root's space; any length but 0."},
-                        {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
-                        {"animation", object({}), "From the squeeze in the clips and morph targets."}},
-                       {"texture", "guides", "map"})});
+  auto curve = list(list(number(-kLength, kLength), 3, 3), 2, kMany);
+  auto guides = either(
+      {list(curve, 1, kMany),
+       object({{"lines", text(), "Name of a mesh or node of the glTF file that holds lines.", true}})});
+  return either(
+      {word({"animation", "map"}),
+       forms({"axis", "attribute", "texture", "guides", "animation"},
+             {{"axis", list(number(-kLength, kLength), 3, 3),
+               "Direction across the creases, in the scene root's space; any length but 0."},
+              {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
+              {"texture", file(),
+               "A flow map: the direction in red (along u) and green (up in the image), 0.5 is zero."},
+              {"guides", guides,
+               "Curves along the creases, near the surface: lists of points in the scene root's space at "
+               "rest, or lines of the glTF file."},
+              {"animation", object({}), "From the squeeze in the clips and morph targets."}})});
 }
 
 Shape describeResponse() {
@@ -141,7 +150,10 @@ Shape describeLayer() {
       {{"name", make(Kind::kName), "Name of the layer, unlike that of any other.", true},
        {"meshes", names, "The meshes it lies on; default all."},
        {"materials", names, "The materials it lies on; default all."},
-       {"direction", describeDirection(), "The direction across the creases; default \"animation\"."},
+       {"direction", describeDirection(),
+        "The direction across the creases; \"map\" takes it from the compress map, a normal or height map; "
+        "default "
+        "\"animation\"."},
        {"measure", word({"directional", "area", "principal", "none"}),
         "How squeeze is measured; \"none\" for a layer that only drivers or the game move; default "
         "\"directional\"."},
