@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "pipeline/bake/response_fit.h"
 #include "pipeline/bake/rings.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/tangents.h"
@@ -19,8 +21,6 @@
 
 namespace furrow::pipeline {
 namespace {
-
-constexpr double kMuchUnsure = 0.5;  // of a layer's surface
 
 class Cook {
  public:
@@ -53,16 +53,11 @@ class Cook {
     stage("baking layers");
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, recipe_file_};
     std::vector<BakedLayer> layers;
-    for (const LayerRecipe& layer : recipe_.layers) {
-      layers.push_back(bakeLayer(input, layer, dependencies_));
-      const double unsure = layers.back().unsure;
-      report_.layers.push_back({layer.name, unsure});
-      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !squeeze.any();
-      if (unsure > kMuchUnsure && !still)
-        warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
-             std::to_string(std::lround(100.0 * unsure)) +
-             "% of its surface: see --view confidence, and draw guide curves or mask that part");
-    }
+    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
+    resolveNames();
+    fitResponses(rings, layers);
+    reportConfidence(squeeze, layers);
+    for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
     for (uint32_t s = 0; s < sets.size(); ++s)
@@ -80,6 +75,7 @@ class Cook {
     endStage();
     report();
     report_.bytes = cooked.bytes.size();
+    cooked.recipe = recipe_;
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
@@ -291,6 +287,74 @@ class Cook {
     for (const glm::dvec3& n : normals) surface_.point_normals.push_back(unit(n, {0, 1, 0}));
   }
 
+  // Names what a layer lies on where the recipe says "all" and every name can stand in a recipe.
+  void resolveNames() {
+    std::vector<std::string> meshes, materials;
+    const auto add = [](std::vector<std::string>& names, const std::string& name) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    };
+    for (const Part& part : scene_.parts) {
+      add(meshes, part.mesh);
+      add(materials, part.material < scene_.materials.size() ? scene_.materials[part.material].name : "");
+    }
+    for (std::vector<std::string>* names : {&meshes, &materials})
+      if (!std::all_of(names->begin(), names->end(), isRecipeText)) names->clear();
+    for (LayerRecipe& layer : recipe_.layers) {
+      if (layer.meshes.empty()) layer.meshes = meshes;
+      if (layer.materials.empty()) layer.materials = materials;
+    }
+  }
+
+  void fitResponses(const Rings& rings, const std::vector<BakedLayer>& layers) {
+    std::vector<size_t> fitted;
+    std::vector<MeasuredLayer> measured;
+    for (size_t l = 0; l < layers.size(); ++l) {
+      report_.layers.push_back({recipe_.layers[l].name, {}, {}});
+      if (!recipe_.layers[l].fit) continue;
+      fitted.push_back(l);
+      measured.push_back({recipe_.layers[l].measure, layers[l].coefficients});
+    }
+    if (!fitted.empty()) {
+      const auto alpha = largestAlpha(scene_, surface_, source_vertex_, rings, measured);
+      for (size_t i = 0; i < fitted.size(); ++i)
+        fitLayer(fitted[i], percentile95(surface_, layers[fitted[i]].covered,
+                                         layers[fitted[i]].field.strength, alpha[i]));
+    }
+    for (size_t l = 0; l < layers.size(); ++l) report_.layers[l].response = recipe_.layers[l].response;
+  }
+
+  void reportConfidence(const Squeeze& squeeze, const std::vector<BakedLayer>& layers) {
+    constexpr double kMuch = 0.5;
+    for (size_t l = 0; l < layers.size(); ++l) {
+      const LayerRecipe& layer = recipe_.layers[l];
+      const double unsure = report_.layers[l].low_confidence = layers[l].unsure;
+      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !squeeze.any();
+      if (unsure > kMuch && !still)
+        warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
+             std::to_string(std::lround(100.0 * unsure)) +
+             "% of its surface: see --view confidence, and draw guide curves or mask that part");
+    }
+  }
+
+  void fitLayer(size_t l, double alpha) {
+    constexpr double kNoSqueeze = 1.0001, kShort = 0.01;
+    LayerRecipe& layer = recipe_.layers[l];
+    const double target = *layer.fit;
+    layer.fit.reset();
+    if (alpha < kNoSqueeze)
+      return warn("layer \"" + layer.name + "\": no pose squeezes it, so that its response is not fitted");
+    const ResponseFit fit = fitResponse(alpha, target);
+    layer.response = fit.response;
+    report_.layers[l].fit = {target, alpha, fit.weight};
+    if (fit.weight < target - kShort) {
+      char text[160];
+      std::snprintf(text, sizeof text,
+                    "is squeezed to alpha %.3g only: its weight reaches %.2g instead of %.2g", alpha,
+                    fit.weight, target);
+      warn("layer \"" + layer.name + "\" " + text);
+    }
+  }
+
   void report() {
     report_.vertices = static_cast<uint32_t>(surface_.positions.size());
     report_.triangles = static_cast<uint32_t>(surface_.triangles.size());
@@ -317,7 +381,7 @@ class Cook {
   }
 
   SourceScene scene_;
-  const Recipe& recipe_;
+  Recipe recipe_;
   const CookOptions& options_;
   std::string recipe_file_;
   CookReport report_;

@@ -13,8 +13,15 @@ std::string reportText(const CookReport& report, const std::string& asset) {
     seconds += stage.seconds;
   }
   json layers = json::array();
-  for (const CookLayer& layer : report.layers)
-    layers.push_back({{"name", layer.name}, {"lowConfidence", layer.low_confidence}});
+  for (const LayerReport& layer : report.layers) {
+    json& out = layers.emplace_back(json{{"name", layer.name},
+                                         {"lambda", layer.response.lambda},
+                                         {"beta", layer.response.beta},
+                                         {"lowConfidence", layer.low_confidence}});
+    if (layer.fit)
+      out["fit"] = {
+          {"target", layer.fit->target}, {"alpha", layer.fit->alpha}, {"weight", layer.fit->weight}};
+  }
   const json out = {{"asset", asset},
                     {"bytes", report.bytes},
                     {"vertices", report.vertices},
@@ -26,9 +33,9 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"clips", report.clips},
                     {"positionError", report.position_error},
                     {"diagonal", report.diagonal},
+                    {"layers", layers},
                     {"seconds", seconds},
                     {"stages", stages},
-                    {"layers", layers},
                     {"warnings", report.warnings}};
   // A name in a file need not be UTF-8.
   return out.dump(2, ' ', false, json::error_handler_t::replace) + '\n';

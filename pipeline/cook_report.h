@@ -3,8 +3,11 @@
 // What a cook found out, for people and for build systems.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "furrow/asset.h"
 
 namespace furrow::pipeline {
 
@@ -13,10 +16,17 @@ struct CookStage {
   double seconds = 0.0;
 };
 
-struct CookLayer {
+struct LayerReport {
   std::string name;
-  double low_confidence =
-      0.0;  // share of the area under its mask where its direction is little more than a guess
+  Response response;
+  struct Fit {
+    double target;  // the weight asked for
+    double alpha;   // the squeeze that 95% of the layer's area stay at or below
+    double weight;  // what the response makes of it
+  };
+  std::optional<Fit> fit;  // none: lambda and beta were given
+  // Share of the area under its mask where its direction is little more than a guess.
+  double low_confidence = 0.0;
 };
 
 struct CookReport {
@@ -25,8 +35,8 @@ struct CookReport {
   double position_error = 0.0;  // root-space units
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
+  std::vector<LayerReport> layers;
   std::vector<CookStage> stages;
-  std::vector<CookLayer> layers;
   std::vector<std::string> warnings;
 };
 

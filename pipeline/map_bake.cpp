@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "pipeline/error.h"
+#include "pipeline/legible.h"
 #include "pipeline/maps/synthesis.h"
 #include "pipeline/maps/texel_map.h"
 
@@ -85,33 +86,16 @@ class MapBake {
   Source prepare(const Map& map, const BakedLayer& layer) const {
     Source source;
     const auto* wanted = std::get_if<MapSynthesized>(&map);
-    const auto* height = std::get_if<MapHeight>(&map);
-    if (!wanted && !height) return source;
-    glm::vec3 lowest(INFINITY), highest(-INFINITY);
-    for (size_t p = 0; p < layer.field.strength.size(); ++p) {
-      if (layer.field.strength[p] < 0.1f) continue;
-      lowest = glm::min(lowest, in_.surface.point_positions[p]);
-      highest = glm::max(highest, in_.surface.point_positions[p]);
-    }
-    if (!(lowest.x <= highest.x)) return source;
-    SynthesisSettings settings;
-    settings.preset = wanted && wanted->preset                        ? *wanted->preset
-                      : in_.squeeze.by_morphs >= in_.squeeze.by_clips ? Preset::kSkin
-                                                                      : Preset::kCloth;
-    settings.spacing =
-        wanted && wanted->spacing > 0.0 ? wanted->spacing : glm::length(highest - lowest) / kSpacingsAcross;
-    settings.depth = settings.spacing * (settings.preset == Preset::kSkin ? kSkinDepth : kClothDepth);
-    if (wanted && wanted->depth > 0.0) settings.depth = wanted->depth;
-    if (height && height->depth > 0.0) settings.depth = height->depth;
-    if (!(settings.spacing > 0.0)) return source;
-    if (wanted) settings.seed = wanted->seed;
-    source.settings = settings;
-    if (wanted) {
-      // The mask fades the layer when it is drawn; the map itself is at full depth wherever the mask reaches.
-      source.field = std::make_shared<LayerField>(layer.field);
-      for (float& strength : source.field->strength) strength = strength > 0.0f ? 1.0f : 0.0f;
-      source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, settings);
-    }
+    if (!wanted || !wanted->preset) return source;
+    source.settings.emplace();
+    source.settings->preset = *wanted->preset;
+    source.settings->spacing = wanted->spacing;
+    source.settings->depth = wanted->depth;
+    source.settings->seed = wanted->seed;
+    // The mask fades the layer when it is drawn; the map itself is at full depth wherever the mask reaches.
+    source.field = std::make_shared<LayerField>(layer.field);
+    for (float& strength : source.field->strength) strength = strength > 0.0f ? 1.0f : 0.0f;
+    source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, *source.settings);
     return source;
   }
 
@@ -221,8 +205,7 @@ class MapBake {
         if (const auto* normal = std::get_if<MapNormal>(&map)) {
           maps = {normalsOf(normal->texture, size), flat(size, 1)};
         } else if (const auto* height = std::get_if<MapHeight>(&map)) {
-          maps = mapsFromHeight(height->texture, size,
-                                source.settings ? source.settings->depth : height->depth, lengthOfUv(set));
+          maps = mapsFromHeight(height->texture, size, height->depth, lengthOfUv(set));
         } else if (source.synthesis) {
           SynthesizedMaps drawn = source.synthesis->draw(set.parts, size, threads_);
           maps = {std::move(drawn.normal), std::move(drawn.shading)};
@@ -279,7 +262,36 @@ class MapBake {
   std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
 };
 
+// Diagonal of what the layer reaches; 0: nothing.
+double reachOf(const Surface& surface, const BakedLayer& layer) {
+  glm::vec3 lowest(INFINITY), highest(-INFINITY);
+  for (size_t p = 0; p < layer.field.strength.size(); ++p) {
+    if (layer.field.strength[p] < 0.1f) continue;
+    lowest = glm::min(lowest, surface.point_positions[p]);
+    highest = glm::max(highest, surface.point_positions[p]);
+  }
+  return lowest.x <= highest.x ? double{glm::length(highest - lowest)} : 0.0;
+}
+
 }  // namespace
+
+void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe) {
+  const double spacing = legible(reachOf(input.surface, layer) / kSpacingsAcross);
+  if (!(spacing > 0.0)) return;
+  const Preset preset = input.squeeze.by_morphs > 0.0 ? Preset::kSkin : Preset::kCloth;
+  const auto depth = [](Preset p, double s) {
+    return legible(s * (p == Preset::kSkin ? kSkinDepth : kClothDepth));
+  };
+  for (Map* map : {&recipe.compress, &recipe.stretch}) {
+    if (auto* height = std::get_if<MapHeight>(map); height && height->depth == 0.0)
+      height->depth = depth(preset, spacing);
+    if (auto* wanted = std::get_if<MapSynthesized>(map)) {
+      if (!wanted->preset) wanted->preset = preset;
+      if (wanted->spacing == 0.0) wanted->spacing = spacing;
+      if (wanted->depth == 0.0) wanted->depth = depth(*wanted->preset, wanted->spacing);
+    }
+  }
+}
 
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,

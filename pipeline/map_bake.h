@@ -15,8 +15,13 @@ struct BakedTextureSet {
   std::vector<uint32_t> compress_slice, stretch_slice;  // a layer, kAbsent: none
 };
 
+// Fills in what the recipe of a baked layer leaves open about its maps: presets, spacings, depths. All stay
+// open in a layer that reaches nowhere.
+void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe);
+
 // Sets for all parts with UVs: by material, materials whose charts share one atlas without overlapping
-// together. `dependencies` gains the images read. Throws Error (kBadData) for an image that cannot be used.
+// together. The layers' maps are resolved. `dependencies` gains the images read. Throws Error (kBadData) for
+// an image that cannot be used.
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies);

@@ -20,7 +20,7 @@ std::string readText(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code ignored;
   if (!stream || std::filesystem::is_directory(file, ignored))
-    throw Error(Exit::kEnvironment, file.string(), "cannot be opened", "give a recipe that can be read");
+    throw Error(Exit::kBadData, file.string(), "cannot be opened", "give a recipe that can be read");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -169,6 +169,14 @@ class Reader {
     return response;
   }
 
+  std::optional<double> fit(const json& layer, const std::string& at) const {
+    if (!layer.contains("response") || !layer["response"].contains("fit")) return std::nullopt;
+    if (layer["response"].size() > 1)
+      throw Error(Exit::kBadData, file_.string(), at + ": \"fit\" does not go with other keys",
+                  "leave out \"fit\", or lambda, beta and stretch, which it works out");
+    return layer["response"]["fit"].get<double>();
+  }
+
   Mask mask(const json& j) const {
     if (j == "none") return MaskNone{};
     if (j.is_string()) return MaskAuto{};
@@ -202,6 +210,7 @@ class Reader {
     if (j.contains("direction")) layer.direction = direction(j["direction"], at + ".direction");
     layer.measure = measure(j.value("measure", "directional"));
     layer.response = response(j, layer.measure);
+    layer.fit = fit(j, at + ".response");
     if (j.contains("mask")) layer.mask = mask(j["mask"]);
     if (j.contains("bias")) {
       const json& bias = j["bias"];

@@ -91,7 +91,8 @@ struct LayerRecipe {
   std::vector<std::string> meshes, materials;  // empty: all
   Direction direction = DirectionAnimation{};
   Measure measure = Measure::kDirectional;
-  Response response;  // with measure "area" and no "response" given: Curve::kOat
+  Response response;          // with measure "area" and no "response" given: Curve::kOat
+  std::optional<double> fit;  // lambda and beta are worked out: the weight that the animation's squeeze gets
   Mask mask = MaskAuto{};
   std::optional<Bias> bias;
   Map compress = MapSynthesized{};
@@ -119,5 +120,12 @@ Recipe defaultRecipe();
 // unknown key (names where it stands and the nearest known one), a wrong type or range, 0 or more than
 // kMaxLayers layers, two layers of one name, a named image that does not exist.
 Recipe readRecipe(const std::filesystem::path& file);
+
+// Whether a recipe can hold this text: it is UTF-8 and not empty.
+bool isRecipeText(const std::string& text);
+
+// The recipe as JSON that readRecipe() reads back as the same recipe from `file`, to which its paths are
+// relative.
+std::string recipeText(const Recipe& recipe, const std::filesystem::path& file);
 
 }  // namespace furrow::pipeline

@@ -103,7 +103,11 @@ Shape describeDirection() {
 Shape describeResponse() {
   auto lambda = number(0.001, 1000), beta = number(0.001, 1000);
   return object(
-      {{"lambda", lambda,
+      {{"fit", number(0.01, 0.99),
+        "The weight that 95% of the layer's area reach at most under the animation; lambda and beta are "
+        "worked "
+        "out from it. Alone."},
+       {"lambda", lambda,
         "Where wrinkles begin: below 1 at rest, 1 at the slightest squeeze, above 1 later; default 1."},
        {"beta", beta, "How steeply they grow; default 4."},
        {"stretch",

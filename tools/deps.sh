@@ -8,11 +8,11 @@ packages=(
   # runtime
   libflatbuffers-dev libmeshoptimizer-dev libxxhash-dev libdraco-dev libhwy-dev libepoxy-dev
   # pipeline and tools
-  libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libeigen3-dev libstb-dev   libcli11-dev
+  libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libeigen3-dev libstb-dev libcli11-dev
   # preview and editor
-  libegl-dev libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
+  libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # tests
-  libgtest-dev libgmock-dev libbenchmark-dev glslang-tools spirv-tools xvfb
+  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema
 )
 
 if ! command -v apt-get >/dev/null; then

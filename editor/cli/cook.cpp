@@ -12,9 +12,9 @@ namespace furrow::cli {
 namespace {
 
 struct Options {
-  std::string in, out, recipe, depfile, report, geometry = "draco";
+  std::string in, out, recipe, init, depfile, report, geometry = "draco";
   uint32_t threads = 0;
-  bool quiet = false;
+  bool force = false, quiet = false;
 };
 
 void writeText(const std::string& file, const std::string& text) {
@@ -43,9 +43,13 @@ void run(const Options& options) {
     std::error_code error;
     return !a.empty() && !b.empty() && std::filesystem::equivalent(a, b, error) && !error;
   };
-  if (same(options.in, options.out) || same(options.recipe, options.out))
+  if (same(options.in, options.out) || same(options.recipe, options.out) || same(options.init, options.in))
     throw pipeline::Error(pipeline::Exit::kBadUsage, options.out, "the output would overwrite an input",
                           "choose another name for -o");
+  std::error_code ignored;
+  if (!options.init.empty() && !options.force && std::filesystem::exists(options.init, ignored))
+    throw pipeline::Error(pipeline::Exit::kBadUsage, options.init, "it exists already",
+                          "give --init another name, or --force to replace it");
   pipeline::CookOptions cook_options;
   cook_options.geometry =
       options.geometry == "raw" ? pipeline::GeometryCodec::kRaw : pipeline::GeometryCodec::kDraco;
@@ -53,13 +57,21 @@ void run(const Options& options) {
       options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   const pipeline::Cooked cooked = cookFile(options.in, options.recipe, cook_options, options.quiet);
   pipeline::writeFile(options.out, cooked.bytes);
+  if (!options.init.empty()) writeText(options.init, pipeline::recipeText(cooked.recipe, options.init));
   if (!options.depfile.empty()) writeText(options.depfile, depfileText(options.out, cooked.dependencies));
   const pipeline::CookReport& report = cooked.report;
   if (!options.report.empty()) writeText(options.report, pipeline::reportText(report, options.out));
-  if (!options.quiet)
-    std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
-                 options.out.c_str(), report.triangles, report.vertices, report.points, report.bytes,
-                 std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  if (options.quiet) return;
+  printWarnings(options.in, report.warnings);
+  for (const pipeline::LayerReport& layer : report.layers)
+    if (layer.fit)
+      std::fprintf(stderr,
+                   "furrow: %s: layer \"%s\": fitted lambda %.4g, beta %.4g: weight %.2g at alpha %.3g\n",
+                   options.out.c_str(), layer.name.c_str(), layer.response.lambda, layer.response.beta,
+                   layer.fit->weight, layer.fit->alpha);
+  std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",
+               options.out.c_str(), report.triangles, report.vertices, report.points, report.bytes,
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
 
 }  // namespace
@@ -71,6 +83,9 @@ Command addCook(CLI::App& app) {
   command->add_option("-o,--output", options->out, "The asset to write")->required();
   command->add_option("--recipe", options->recipe,
                       "Recipe (JSON); without one, one layer worked out from the animation");
+  CLI::Option* init = command->add_option("--init", options->init,
+                                          "Write the recipe with all that was worked out, to be edited");
+  command->add_flag("--force", options->force, "Let --init replace a file")->needs(init);
   command->add_option("--depfile", options->depfile, "Write a Make rule with every file that was read");
   command->add_option("--report", options->report, "Write what was done as JSON");
   command->add_option("--geometry", options->geometry, "draco (default) or raw, which loads without Draco")

@@ -107,6 +107,7 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
 }
 
 void run(const Options& options) {
+  options.pose.validate();
   const OpenedAsset opened = openAsset(options.asset);
   const PosedFrame frame = poseFrame(opened, options.pose);
   std::unique_ptr<preview::HeadlessContext> context;
@@ -126,6 +127,7 @@ void run(const Options& options) {
     pipeline::writeFile(options.out, std::as_bytes(std::span(text)));
   else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     throw Error(Exit::kEnvironment, "standard output", "cannot be written", "name a file with -o");
+  printWarnings(options.asset, opened.warnings);
 }
 
 }  // namespace

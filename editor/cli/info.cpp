@@ -117,11 +117,13 @@ Command addInfo(CLI::App& app) {
   command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
   command->add_flag("--json", options->json, "As JSON");
   return [options] {
-    const nlohmann::json description = describe(openAsset(options->asset));
+    const OpenedAsset opened = openAsset(options->asset);
+    const nlohmann::json description = describe(opened);
     if (options->json)
       std::printf("%s\n", description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     else
       print(description);
+    printWarnings(options->asset, opened.warnings);
   };
 }
 
@@ -134,6 +136,7 @@ Command addCheck(CLI::App& app) {
     const OpenedAsset opened = openAsset(*file);
     std::printf("%s: valid %s, %u triangles\n", file->c_str(), opened.cooked_here ? "source" : "asset",
                 opened.asset.view().triangleCount());
+    printWarnings(*file, opened.warnings);
   };
 }
 

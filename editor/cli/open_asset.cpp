@@ -47,7 +47,9 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   if (looksLikeAsset(file)) {
     bytes = readFile(file);
   } else {
-    bytes = cookFile(file, {}, {}, false).bytes;
+    pipeline::Cooked cooked = cookFile(file, {}, {}, false);
+    bytes = std::move(cooked.bytes);
+    opened.warnings = std::move(cooked.report.warnings);
     opened.cooked_here = true;
   }
   opened.bytes = bytes.size();
@@ -91,10 +93,12 @@ pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesy
         std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);
     cooked.report.stages.insert(cooked.report.stages.begin(), {"importing", importing.count()});
   }
-  if (!quiet)
-    for (const std::string& warning : cooked.report.warnings)
-      std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
   return cooked;
+}
+
+void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
 }
 
 }  // namespace furrow::cli

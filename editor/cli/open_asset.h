@@ -17,13 +17,16 @@ struct OpenedAsset {
   bool cooked_here = false;
   Asset asset;
   pipeline::Rig rig;
+  std::vector<std::string> warnings;  // of the cook, if there was one
 };
 
 OpenedAsset openAsset(const std::filesystem::path& file);
 
-// Cooks a source with a recipe (empty path: the default one); prints stages on a terminal and warnings on
-// stderr, unless quiet.
+// Cooks a source with a recipe (empty path: the default one); prints stages on a terminal unless quiet.
 pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet);
+
+// On stderr, one a line. The last thing a command does: a fault stands alone.
+void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings);
 
 }  // namespace furrow::cli

@@ -65,6 +65,14 @@ void PoseOptions::add(CLI::App& command) {
       ->check(CLI::IsMember({"auto", "gpu", "gpu-raster", "cpu"}));
 }
 
+void PoseOptions::validate() const {
+  for (const std::string& text : morphs) assignment(text, "--morph");
+  for (const std::string& text : regions) assignment(text, "--region");
+  if (backend == "gpu-raster")
+    throw Error(Exit::kEnvironment, "--backend gpu-raster", "this furrow was built without it",
+                "use --backend gpu or cpu");
+}
+
 PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
   const AssetView& asset = opened.asset.view();
   const std::string file = opened.file.string();
@@ -120,9 +128,6 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
 
 bool chooseGpu(const std::string& backend, const std::string& context_error) {
   if (backend == "cpu") return false;
-  if (backend == "gpu-raster")
-    throw Error(Exit::kEnvironment, "--backend gpu-raster", "this furrow was built without it",
-                "use --backend gpu or cpu");
   std::string reason = context_error;
   if (reason.empty()) {
     const gl::Support support = gl::querySupport();

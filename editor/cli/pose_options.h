@@ -19,6 +19,10 @@ struct PoseOptions {
   std::string backend = "auto";
 
   void add(CLI::App& command);
+
+  // What can be refused before a file is opened. Throws Error: kBadUsage for a morph or region that is not
+  // NAME=NUMBER, kEnvironment for a tier that this build lacks.
+  void validate() const;
 };
 
 // The arrays behind a FrameInput. Palette translations are relative to `origin`.

@@ -48,6 +48,7 @@ void parseSize(const std::string& text, uint32_t& width, uint32_t& height) {
 void run(const Options& options) {
   preview::RenderOptions render;
   parseSize(options.size, render.width, render.height);
+  options.pose.validate();
   const OpenedAsset opened = openAsset(options.asset);
   const AssetView& asset = opened.asset.view();
   const PosedFrame frame = poseFrame(opened, options.pose);
@@ -81,6 +82,7 @@ void run(const Options& options) {
                             static_cast<float>(options.target[2] - frame.origin[2])};
   preview::Renderer renderer(asset);
   pipeline::writeImage(options.out, renderer.render(frame.input, render));
+  printWarnings(options.asset, opened.warnings);
 }
 
 }  // namespace

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "pipeline/bake/poses.h"
 #include "pipeline/bake/rings.h"
-#include "pipeline/scene/posing.h"
 
 namespace furrow::pipeline {
 namespace {
 
-constexpr double kNoise = 0.01;     // a squeeze below one percent is not one
-constexpr int kMostClipPoses = 64;  // over all clips
-constexpr double kPosesASecond = 12.0;
+constexpr double kNoise = 0.01;  // a squeeze below one percent is not one
 
 class Meter {
  public:
@@ -67,53 +65,14 @@ Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
                        const std::vector<uint32_t>& source_vertex) {
   Squeeze squeeze;
   Meter meter(surface, squeeze);
-
-  std::vector<glm::vec3> moved(surface.positions);
-  std::vector<char> touched(surface.positions.size(), 0);
-  for (const SurfacePart& span : surface.parts) {
-    const Part& part = scene.parts[span.source_part];
-    const Primitive& primitive = scene.primitives[part.primitive];
-    std::vector<uint32_t> asset_vertex(primitive.positions.size());
-    for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
-      asset_vertex[source_vertex[v] - span.vertex_begin] = v;
-    const glm::dmat3 linear(span.rest);
-    for (const MorphDelta& delta : primitive.morphs) {
-      for (size_t i = 0; i < delta.vertices.size(); ++i) {
-        const uint32_t v = asset_vertex[delta.vertices[i]];
-        moved[v] += glm::vec3(linear * glm::dvec3(delta.positions[i]));
-        touched[v] = 1;
-      }
-      for (uint32_t t = span.triangle_begin; t < span.triangle_end; ++t) {
-        const glm::uvec3 c = surface.triangles[t];
-        if (touched[c.x] | touched[c.y] | touched[c.z])
-          meter.measure(t, moved[c.x], moved[c.y], moved[c.z], squeeze.by_morphs);
-      }
-      for (uint32_t source : delta.vertices) {
-        moved[asset_vertex[source]] = surface.positions[asset_vertex[source]];
-        touched[asset_vertex[source]] = 0;
-      }
+  forEachPose(scene, surface, source_vertex, [&](const SurfacePose& pose) {
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+      const glm::uvec3 c = surface.triangles[t];
+      if (pose.moved[c.x] | pose.moved[c.y] | pose.moved[c.z])
+        meter.measure(t, pose.positions[c.x], pose.positions[c.y], pose.positions[c.z],
+                      pose.by_morph ? squeeze.by_morphs : squeeze.by_clips);
     }
-  }
-
-  double seconds = 0.0;
-  for (const Clip& clip : scene.rig.clips) seconds += clip.duration;
-  const double rate = std::min(kPosesASecond, kMostClipPoses / std::max(seconds, 1e-6));
-  for (const Clip& clip : scene.rig.clips) {
-    const int poses = std::max(3, static_cast<int>(std::lround(clip.duration * rate)));
-    for (int i = 0; i < poses; ++i) {
-      Pose pose = defaultPose(scene.rig);
-      applyClip(scene.rig, clip, clip.duration * i / (poses - 1), pose);
-      const PosedRig posed = evaluate(scene.rig, pose);
-      for (const SurfacePart& span : surface.parts) {
-        const std::vector<glm::dvec3> positions = posePart(scene, scene.parts[span.source_part], posed);
-        const auto at = [&](uint32_t v) { return positions[source_vertex[v] - span.vertex_begin]; };
-        for (uint32_t t = span.triangle_begin; t < span.triangle_end; ++t) {
-          const glm::uvec3 c = surface.triangles[t];
-          meter.measure(t, at(c.x), at(c.y), at(c.z), squeeze.by_clips);
-        }
-      }
-    }
-  }
+  });
   return squeeze;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// How the animation squeezes the surface: over the morph targets, each at 1, and sampled poses of every clip,
-// the compressive part of each triangle's strain.
+// How the animation squeezes the surface: the compressive part of each triangle's strain over the poses of
+// bake/poses.h.
 
 #include <glm/vec3.hpp>
 #include <vector>

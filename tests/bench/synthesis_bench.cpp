@@ -4,60 +4,28 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <numbers>
 
-#include "pipeline/bake/tangents.h"
 #include "pipeline/maps/synthesis.h"
+#include "tests/unit/surfaces.h"
 
 namespace furrow::pipeline {
 namespace {
 
-constexpr uint32_t kColumns = 250, kRows = 100;  // 50,000 triangles
-
 // An ellipsoid whose one chart fills the texture; the layer covers all of it, which is the worst case.
 struct Head {
-  Surface surface;
-  LayerField field;
+  static constexpr uint32_t kColumns = 250, kRows = 100;  // 50,000 triangles
 
-  Head() {
-    for (uint32_t row = 0; row <= kRows; ++row) {
-      for (uint32_t column = 0; column <= kColumns; ++column) {
-        const double u = column / static_cast<double>(kColumns), v = row / static_cast<double>(kRows);
-        const double around = 2.0 * std::numbers::pi * u, down = 0.05 + (std::numbers::pi - 0.1) * v;
-        const glm::dvec3 unit(std::sin(down) * std::sin(around), std::cos(down),
-                              std::sin(down) * std::cos(around));
-        surface.positions.emplace_back(glm::dvec3(0.08, 0.12, 0.1) * unit);
-        surface.normals.emplace_back(glm::normalize(unit / glm::dvec3(0.08, 0.12, 0.1)));
-        surface.uvs.emplace_back(u, v);
-        surface.vertex_point.push_back(row * kColumns + column % kColumns);
-      }
-    }
-    for (uint32_t v = 0; v < surface.positions.size(); ++v) {
-      if (v % (kColumns + 1) != kColumns) {
-        surface.point_positions.push_back(surface.positions[v]);
-        surface.point_normals.push_back(surface.normals[v]);
-      }
-    }
-    for (uint32_t row = 0; row < kRows; ++row) {
-      for (uint32_t column = 0; column < kColumns; ++column) {
-        const uint32_t a = row * (kColumns + 1) + column, b = a + 1, c = a + kColumns + 1, d = c + 1;
-        surface.triangles.emplace_back(a, c, b);
-        surface.triangles.emplace_back(b, c, d);
-      }
-    }
-    surface.tangents = tangents(surface.positions, surface.normals, surface.uvs, surface.triangles);
-    SurfacePart part;
-    part.vertex_end = static_cast<uint32_t>(surface.positions.size());
-    part.triangle_end = static_cast<uint32_t>(surface.triangles.size());
-    part.has_uvs = true;
-    surface.parts = {part};
-    for (const glm::vec3& normal : surface.point_normals) {
-      field.direction.push_back(glm::normalize(glm::vec3(0, 1, 0) - normal * normal.y));
-    }
-    field.confidence.assign(surface.point_positions.size(), 1.0f);
-    field.strength.assign(surface.point_positions.size(), 1.0f);
+  static glm::vec3 unit(double u, double v) {
+    const double around = 2.0 * std::numbers::pi * u, down = 0.05 + (std::numbers::pi - 0.1) * v;
+    return glm::vec3(std::sin(down) * std::sin(around), std::cos(down), std::sin(down) * std::cos(around));
   }
+
+  static constexpr glm::vec3 kRadii{0.08f, 0.12f, 0.1f};
+  Surface surface = tests::grid(
+      kColumns, kRows, [](double u, double v) { return kRadii * unit(u, v); },
+      [](double u, double v) { return unit(u, v) / kRadii; }, true);
+  LayerField field = tests::along(surface, {0, 1, 0});
 };
 
 const SynthesisSettings kSettings = {Preset::kSkin, 0.004, 0.0005, 1};

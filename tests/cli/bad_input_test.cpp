@@ -122,7 +122,7 @@ TEST_F(BadInput, RequiredExtensionNobodyKnows) {
 }
 
 TEST_F(BadInput, RecipeThatIsMissing) {
-  expectRefused(cook(write("sheet.glb", sheet()), {"--recipe", folder() / "none.json"}), 3, "none.json");
+  expectRefused(cook(write("sheet.glb", sheet()), {"--recipe", folder() / "none.json"}), 1, "none.json");
 }
 TEST_F(BadInput, RecipeThatIsNoJson) {
   expectBadRecipe(sheet(), "", "recipe.json");
@@ -290,6 +290,9 @@ TEST_F(BadInput, Usage) {
       {"eval", asset, "--backend", "abacus"},
       {"render", asset, "-o", output() / "out.png", "--size", "0x10"},
       {"render", asset, "-o", output() / "out.png", "--size", "big"},
+      // Before the asset is opened.
+      {"eval", folder() / "missing.furrow", "--morph", "nonsense"},
+      {"render", folder() / "missing.furrow", "-o", output() / "out.png", "--region", "=1"},
   };
   forEachInParallel(commands.size(), [&](size_t i) {
     std::string text = "furrow";
@@ -303,7 +306,16 @@ TEST_F(BadInput, Usage) {
 TEST_F(BadInput, ABackendThatIsNotThere) {
   const std::string asset = folder() / "sheet.furrow";
   ASSERT_EQ(run({"cook", write("sheet.glb", sheet()), "-o", asset, "--quiet"}).status, 0);
-  expectRefused(run({"eval", asset, "--backend", "gpu-raster", "-o", output() / "out.csv"}), 3, "gpu-raster");
+  for (const std::string& file : {asset, std::string(folder() / "missing.furrow")})
+    expectRefused(run({"eval", file, "--backend", "gpu-raster", "-o", output() / "out.csv"}), 3,
+                  "gpu-raster");
+}
+
+TEST_F(BadInput, AFaultStandsWithoutTheWarningsOfTheCook) {
+  const std::filesystem::path source = write("sheet.glb", sheet());
+  EXPECT_NE(run({"check", source}).err.find("warning: a mesh has no UVs"), std::string::npos);
+  expectOneLine(run({"eval", source, "--backend", "cpu", "--clip", "walk"}), 2, source);
+  expectRefused(run({"cook", source, "-o", folder() / "nowhere/out.furrow"}), 3, "out.furrow");
 }
 
 TEST_F(BadInput, HelpAndVersion) {

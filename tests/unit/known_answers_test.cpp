@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "furrow/place_hash.h"
+#include "pipeline/bake/response_fit.h"
 #include "pipeline/import/import.h"
 #include "pipeline/pack/rig_section.h"
 #include "pipeline/scene/posing.h"
@@ -343,6 +344,85 @@ INSTANTIATE_TEST_SUITE_P(Corpus, Posed,
                                          "face/ict_facekit_generic_55targets.glb",
                                          "face/makehuman_body_34targets_skinned.glb",
                                          "face/valid/Asian_F_1_Casual.glb"));
+
+// ---- fitted responses ----
+
+pipeline::LayerReport fitted(double squeeze, double target, std::vector<std::string>& warnings) {
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.fit = target;
+  const pipeline::Cooked cooked = pipeline::cook(
+      sceneOf(sheet(8), [squeeze](glm::dvec3 p) { return glm::dvec3(squeeze * p.x, p.y, p.z); }),
+      recipeOf({layer}), {});
+  warnings = cooked.report.warnings;
+  return cooked.report.layers.at(0);
+}
+
+TEST(ResponseFit, ASqueezedSheetSolvesTheTanh) {
+  std::vector<std::string> warnings;
+  for (const double s : {0.85, 0.7, 0.5})
+    for (const double target : {0.3, 0.6, 0.9}) {
+      const pipeline::LayerReport layer = fitted(s, target, warnings);
+      const double alpha = 1.0 / (s * s), beta = 2.0 * std::atanh(target) / std::log(alpha);
+      if (beta < 1.0 || beta > 16.0) continue;
+      EXPECT_NEAR(layer.fit->alpha, alpha, 1e-3 * alpha);
+      EXPECT_EQ(layer.response.lambda, 1.0f);
+      EXPECT_NEAR(layer.response.beta, beta, 5e-3 * beta);
+      EXPECT_NEAR(layer.fit->weight, target, 2e-3);
+      EXPECT_EQ(layer.response.stretch_beta, layer.response.beta);
+      EXPECT_TRUE(warnings.empty());
+    }
+}
+
+TEST(ResponseFit, LambdaRisesOnlyWhereBetaWouldFallBelowOne) {
+  std::vector<std::string> warnings;
+  const pipeline::LayerReport layer = fitted(0.125, 0.9, warnings);  // alpha 64: ln 19 / ln 64 < 1
+  EXPECT_EQ(layer.response.beta, 1.0f);
+  EXPECT_NEAR(layer.response.lambda, 64.0 / 19.0, 2e-3);
+  EXPECT_NEAR(layer.fit->weight, 0.9, 1e-3);
+}
+
+TEST(ResponseFit, AWeightOutOfReachIsTold) {
+  std::vector<std::string> warnings;
+  const pipeline::LayerReport layer = fitted(0.98, 0.9, warnings);
+  EXPECT_EQ(layer.response.beta, 16.0f);
+  EXPECT_NEAR(layer.fit->weight, std::tanh(-16.0 * std::log(0.98)), 1e-3);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0],
+            "layer \"layer\" is squeezed to alpha 1.04 only: its weight reaches 0.31 instead of 0.9");
+}
+
+TEST(ResponseFit, WhatNothingSqueezesIsNotFitted) {
+  std::vector<std::string> warnings;
+  const pipeline::LayerReport layer = fitted(1.2, 0.9, warnings);
+  EXPECT_FALSE(layer.fit);
+  EXPECT_EQ(layer.response.beta, 4.0f);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], "layer \"layer\": no pose squeezes it, so that its response is not fitted");
+}
+
+TEST(ResponseFit, ThePercentileIsOfTheMaskedArea) {
+  // 100 triangles of one area, each with points of its own, squeezed to alpha 1, 2, ... 100.
+  pipeline::Surface surface;
+  std::vector<float> alpha, strength(300, 1.0f);
+  std::vector<bool> covered(100, true);
+  for (uint32_t t = 0; t < 100; ++t) {
+    const float x = static_cast<float>(t);
+    for (const glm::vec3 p : {glm::vec3(x, 0, 0), glm::vec3(x + 1, 0, 0), glm::vec3(x, 1, 0)}) {
+      surface.vertex_point.push_back(static_cast<uint32_t>(surface.point_positions.size()));
+      surface.point_positions.push_back(p);
+      alpha.push_back(x + 1.0f);
+    }
+    surface.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 95.0);
+  surface.point_positions[3 * 99 + 1].x += 9.0f;  // the last one ten times as large: 10 of 109
+  EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 100.0);
+  for (int c = 0; c < 3; ++c) strength[3 * 99 + c] = 0.09f;  // a mask makes it 0.9 of 99.9
+  EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 95.0);
+  for (size_t t = 50; t < 100; ++t) covered[t] = false;  // 48 of 50 is above 95%
+  EXPECT_EQ(pipeline::percentile95(surface, covered, strength, alpha), 48.0);
+  EXPECT_EQ(pipeline::percentile95(surface, std::vector<bool>(100), strength, alpha), 1.0);
+}
 
 }  // namespace
 }  // namespace furrow::tests

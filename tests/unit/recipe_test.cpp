@@ -40,7 +40,7 @@ constexpr const char* kEverything = R"({
       "mask": { "attribute": "COLOR_1", "channel": "a" },
       "compress": { "height": "map.png", "depth": 0.25 },
       "stretch": "none" },
-    { "name": "neck", "direction": { "animation": {} }, "mask": "none" },
+    { "name": "neck", "direction": { "animation": {} }, "mask": "none", "response": { "fit": 0.75 } },
     { "name": "chin", "direction": { "texture": "map.png" } },
     { "name": "ear", "direction": "map", "compress": { "normal": "map.png" } },
     { "name": "brow", "direction": { "guides": [[[0, 1, 2], [3, 4, 5], [6, 7, 8]], [[1, 1, 1], [2, 2, 2]]] } },
@@ -138,6 +138,7 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_TRUE(std::holds_alternative<MapNone>(b.stretch));
   EXPECT_TRUE(std::holds_alternative<DirectionAnimation>(recipe.layers[2].direction));
   EXPECT_TRUE(std::holds_alternative<MaskNone>(recipe.layers[2].mask));
+  EXPECT_EQ(recipe.layers[2].fit, 0.75);
   EXPECT_EQ(std::get<DirectionTexture>(recipe.layers[3].direction).texture, folder_ / "map.png");
   EXPECT_TRUE(std::holds_alternative<DirectionMap>(recipe.layers[4].direction));
   const DirectionGuides& curves = std::get<DirectionGuides>(recipe.layers[5].direction);
@@ -157,18 +158,47 @@ void collectKeys(const RecipeShape& shape, std::set<std::string>& names) {
   for (const RecipeShape& inner : shape.inner) collectKeys(inner, names);
 }
 
-TEST_F(RecipeTest, TheTestAboveHasEveryKeyOfTheTable) {
-  std::set<std::string> names, used;
-  collectKeys(recipeShape(), names);
+std::set<std::string> keysOf(const std::string& recipe) {
+  std::set<std::string> used;
   auto walk = [&](auto& self, const nlohmann::json& value) -> void {
     for (const auto& [name, item] : value.items()) {
       if (value.is_object()) used.insert(name);
       if (item.is_structured()) self(self, item);
     }
   };
-  walk(walk, nlohmann::json::parse(kEverything, nullptr, true, true));
+  walk(walk, nlohmann::json::parse(recipe, nullptr, true, true));
+  return used;
+}
+
+TEST_F(RecipeTest, TheTestAboveHasEveryKeyOfTheTable) {
+  std::set<std::string> names, used = keysOf(kEverything);
+  collectKeys(recipeShape(), names);
   used.insert("morphs");  // ReadsTheOtherFormsOfRest
   EXPECT_EQ(used, names);
+}
+
+TEST_F(RecipeTest, WritesEveryKey) {
+  const std::string written = recipeText(read(kEverything), file());
+  EXPECT_EQ(recipeText(read(written), file()), written);
+  std::set<std::string> keys = keysOf(kEverything);
+  keys.erase("$schema");
+  keys.erase("animation");  // as a word
+  EXPECT_EQ(keysOf(written), keys);
+  EXPECT_NE(written.find(R"("bias": { "attribute": "COLOR_0", "channel": "b", "neutral": 0.25 })"),
+            std::string::npos)
+      << written;
+  std::filesystem::create_directory(folder_ / "sub");
+  EXPECT_NE(recipeText(read(kEverything), folder_ / "sub" / "recipe.json").find("\"../map.png\""),
+            std::string::npos);
+}
+
+TEST_F(RecipeTest, AFitStandsAlone) {
+  EXPECT_EQ(layerError(R"("response": {"fit": 0.9, "beta": 4})"),
+            "layers[0].response: \"fit\" does not go with other keys: leave out \"fit\", or lambda, beta and "
+            "stretch, which it works out");
+  EXPECT_EQ(layerError(R"("response": {"fit": 1})"),
+            "layers[0].response.fit: is 1: give a number from 0.01 to 0.99");
+  EXPECT_FALSE(layer("").fit);
 }
 
 // What is committed as docs/`name`; FURROW_UPDATE=1 in the environment writes what `current` makes of it.
@@ -390,12 +420,12 @@ TEST_F(RecipeTest, ImagesMustExist) {
             folder_ / "map.png");
 }
 
-TEST_F(RecipeTest, ARecipeThatCannotBeOpenedIsTheEnvironments) {
+TEST_F(RecipeTest, ARecipeThatCannotBeOpenedIsNamed) {
   for (const auto& path : {folder_ / "no.json", folder_}) try {
       readRecipe(path);
       ADD_FAILURE() << "no error";
     } catch (const Error& error) {
-      EXPECT_EQ(error.exit(), Exit::kEnvironment);
+      EXPECT_EQ(error.exit(), Exit::kBadData);
       EXPECT_EQ(error.what(), path.string() + ": cannot be opened: give a recipe that can be read");
     }
 }

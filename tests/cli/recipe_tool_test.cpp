@@ -1,0 +1,136 @@
+// What `furrow cook` writes beside the asset: the recipe it worked out, the report and the depfile.
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/tool.h"
+
+namespace furrow::test {
+namespace {
+
+using nlohmann::json;
+
+// A unit sheet of 8 x 8 quads whose morph target "squeeze" halves it along x.
+std::string sheet() {
+  std::vector<float> positions, uvs, deltas;
+  std::vector<uint16_t> indices;
+  for (uint16_t y = 0; y <= 8; ++y)
+    for (uint16_t x = 0; x <= 8; ++x) {
+      positions.insert(positions.end(), {x / 8.0f, y / 8.0f, 0.0f});
+      uvs.insert(uvs.end(), {x / 8.0f, y / 8.0f});
+      deltas.insert(deltas.end(), {x / -16.0f, 0.0f, 0.0f});
+      const auto a = static_cast<uint16_t>(y * 9 + x), b = static_cast<uint16_t>(a + 1),
+                 c = static_cast<uint16_t>(a + 9), d = static_cast<uint16_t>(a + 10);
+      if (x < 8 && y < 8) indices.insert(indices.end(), {a, b, d, a, d, c});
+    }
+  GltfBuilder builder;
+  builder.add(positions, "VEC3", 3);
+  builder.add(indices, "SCALAR", 1);
+  builder.add(uvs, "VEC2", 2);
+  builder.add(deltas, "VEC3", 3);
+  return builder.glb(
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"materials":[{"name":"cloth"}],)"
+      R"("meshes":[{"name":"Sheet","extras":{"targetNames":["squeeze"]},"primitives":[{"material":0,)"
+      R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
+}
+
+class RecipeTool : public ToolTest {
+ protected:
+  std::filesystem::path source = write("sheet.glb", sheet());
+  std::filesystem::path asset = output() / "out.furrow", init = output() / "init.json";
+
+  Outcome cook(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {"cook", source, "-o", asset};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+};
+
+TEST_F(RecipeTool, TheRecipeItWritesCooksTheSameAsset) {
+  const std::string recipes[] = {"", R"({"layers":[{"name":"a","response":{"fit":0.9},"mask":"none"},
+                        {"name":"b","direction":{"axis":[1,2,0]},"response":{"lambda":1.1,"beta":3.3},
+                         "compress":"none","stretch":{"synthesize":{"preset":"cloth"}}}]})"};
+  for (const std::string& recipe : recipes) {
+    std::vector<std::string> options = {"--init", init, "--force"};
+    if (!recipe.empty()) options.insert(options.end(), {"--recipe", write("recipe.json", recipe)});
+    ASSERT_EQ(cook(options).status, 0);
+    const std::string first = readText(asset), written = readText(init);
+    const Outcome again = cook({"--recipe", init, "--init", output() / "again.json", "--force"});
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(readText(asset), first);
+    EXPECT_EQ(readText(output() / "again.json"), written);
+    EXPECT_EQ(written.find("\"fit\""), std::string::npos) << "the fitted numbers stand there instead";
+  }
+}
+
+TEST_F(RecipeTool, TheRecipeItWritesSaysWhatWasWorkedOut) {
+  ASSERT_EQ(cook({"--init", init}).status, 0);
+  const json layer = json::parse(readText(init)).at("layers").at(0);
+  EXPECT_EQ(layer.at("name"), "wrinkles");
+  EXPECT_EQ(layer.at("meshes"), json({"Sheet"}));
+  EXPECT_EQ(layer.at("materials"), json({"cloth"}));
+  EXPECT_EQ(layer.at("direction"), "animation");
+  EXPECT_EQ(layer.at("mask"), "auto");
+  const json& map = layer.at("compress").at("synthesize");
+  EXPECT_EQ(map.at("preset"), "skin");  // a morph target squeezes it
+  EXPECT_NEAR(map.at("spacing"), std::sqrt(2.0) / 36.0, 1e-5);
+}
+
+TEST_F(RecipeTool, AFittedResponseIsToldAndWritten) {
+  const std::string recipe = write("recipe.json", R"({"layers":[{"name":"a","direction":{"axis":[1,0,0]},
+    "mask":"none","response":{"fit":0.9}}]})");
+  const Outcome outcome = cook({"--recipe", recipe, "--init", init, "--report", output() / "report.json"});
+  ASSERT_EQ(outcome.status, 0);
+  // alpha 4: beta = ln(1.9 / 0.1) / ln 4
+  EXPECT_NE(outcome.err.find("layer \"a\": fitted lambda 1, beta 2.124: weight 0.9 at alpha 4"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(json::parse(readText(init)).at("layers").at(0).at("response"),
+            json({{"lambda", 1.0}, {"beta", 2.124}}));
+  const json report = json::parse(readText(output() / "report.json"));
+  EXPECT_NEAR(report.at("layers").at(0).at("fit").at("alpha"), 4.0, 1e-3);
+  EXPECT_EQ(report.at("bytes"), std::filesystem::file_size(asset));
+  double seconds = 0.0;
+  for (const json& stage : report.at("stages")) seconds += stage.at("seconds").get<double>();
+  EXPECT_NEAR(report.at("seconds"), seconds, 1e-9);
+}
+
+TEST_F(RecipeTool, AnotherRecipeIsNotReplacedUnasked) {
+  const std::string mine = write("mine.json", "mine");
+  expectRefused(cook({"--init", mine}), 2, mine + ": it exists already");
+  EXPECT_EQ(readText(mine), "mine");
+  EXPECT_EQ(cook({"--init", mine, "--force"}).status, 0);
+  EXPECT_NE(readText(mine), "mine");
+  EXPECT_EQ(cook({"--force"}).status, 2) << "--force is about --init";
+}
+
+TEST_F(RecipeTool, ARecipeThatCannotBeWrittenIsTheEnvironments) {
+  const std::string nowhere = folder() / "no" / "init.json";
+  EXPECT_EQ(cook({"--init", nowhere}).status, 3);
+}
+
+TEST_F(RecipeTool, TheRecipeItWritesIsValidByTheSchema) {
+  if (std::system("python3 -c 'import jsonschema' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-jsonschema is not installed";
+  ASSERT_EQ(cook({"--init", init}).status, 0);
+  const std::string check =
+      "python3 -c 'import json, sys, jsonschema\n"
+      "schema = json.load(open(sys.argv[1]))\n"
+      "jsonschema.Draft7Validator.check_schema(schema)\n"
+      "sys.exit(not "
+      "jsonschema.Draft7Validator(schema).is_valid(json.load(open(sys.argv[2]))))' " FURROW_SOURCE_DIR
+      "/docs/recipe.schema.json ";
+  EXPECT_EQ(std::system((check + init.string()).c_str()), 0);
+  const std::string wrong = write("wrong.json", R"({"layers":[{"nam":"a"}]})");
+  EXPECT_NE(std::system((check + wrong).c_str()), 0);
+}
+
+TEST_F(RecipeTool, TheDepfileNamesWhatWasRead) {
+  const std::string recipe = write("my recipe.json", R"({"layers":[{"name":"a"}]})");
+  ASSERT_EQ(cook({"--recipe", recipe, "--depfile", output() / "out.d"}).status, 0);
+  EXPECT_EQ(readText(output() / "out.d"), asset.string() + ": \\\n  " + source.string() + " \\\n  " +
+                                              (folder() / "my\\ recipe.json").string() + "\n");
+}
+
+}  // namespace
+}  // namespace furrow::test
