@@ -235,6 +235,7 @@ std::string describe(const RecipeShape& shape) {
       std::string count = shape.min == shape.max ? plain(shape.min) + " values"
                           : shape.max < kMany    ? plain(shape.min) + " to " + plain(shape.max) + " values"
                           : shape.min == 1       ? "one or more values"
+                          : shape.min > 1        ? plain(shape.min) + " or more values"
                                                  : "values";
       return "a list of " + count + ", each " + describe(shape.inner[0]);
     }

@@ -13,6 +13,7 @@ constexpr double kMostCells = 256;  // along an edge of a triangle
 constexpr double kMostUv = 1e6;     // further out floats tell no texels apart
 
 uint32_t wrap(int64_t i, uint32_t size) {
+  if (i >= 0 && i < int64_t{size}) return static_cast<uint32_t>(i);
   const int64_t rest = i % static_cast<int64_t>(size);
   return static_cast<uint32_t>(rest < 0 ? rest + size : rest);
 }

@@ -355,7 +355,8 @@ TEST_F(RecipeTest, WrongRangesAreNamed) {
 
 TEST_F(RecipeTest, TheZeroAxisIsRefused) {
   EXPECT_THAT(layerError(R"("direction": {"guides": [[[0, 1, 2]]]})"),
-              testing::StartsWith("layers[0].direction.guides[0]: is a list of 1: give a list of 2 "));
+              testing::StartsWith(
+                  "layers[0].direction.guides[0]: is a list of 1: give a list of 2 or more values, "));
   EXPECT_THAT(
       layerError(R"("direction": {"guides": [[[0, 1, 2], [0, 1]]]})"),
       testing::StartsWith("layers[0].direction.guides[0][1]: is a list of 2: give a list of 3 values"));
