@@ -13,6 +13,7 @@
 #include "pipeline/bake/tangents.h"
 #include "pipeline/bake/weld.h"
 #include "pipeline/error.h"
+#include "pipeline/import/import.h"
 #include "pipeline/layer_bake.h"
 #include "pipeline/map_bake.h"
 #include "pipeline/pack/geometry.h"
@@ -32,6 +33,11 @@ class Cook {
 
   Cooked run() {
     check();
+    if (const auto* rest = std::get_if<RestFile>(&recipe_.rest)) {
+      const SourceScene file = import(rest->file);
+      rest_offsets_ = restOffsets(scene_, file);
+      dependencies_ = file.dependencies;
+    }
     stage("welding");
     const std::vector<glm::vec3> source_rest = restFloats();
     weld_ = weld(scene_, source_rest);
@@ -127,8 +133,8 @@ class Cook {
   // Root-space rest positions of all parts in source order.
   std::vector<glm::vec3> restFloats() const {
     std::vector<glm::vec3> out;
-    for (const Part& part : scene_.parts)
-      for (const glm::dvec3& p : restPositions(scene_, part, recipe_.rest)) out.push_back(glm::vec3(p));
+    for (const glm::dvec3& p : restPositions(scene_, recipe_.rest))
+      out.push_back(glm::vec3(rest_offsets_.empty() ? p : p + rest_offsets_[out.size()]));
     return out;
   }
 
@@ -158,6 +164,7 @@ class Cook {
   // follows is baked from that.
   void packParts() {
     uint32_t first_vertex = 0;
+    const std::vector<glm::dmat4> bind = bindMatrices(scene_);
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
@@ -176,7 +183,7 @@ class Cook {
         packed.base_color = scene_.materials[part.material].base_color;
       }
       packed.palette_begin = part.palette_begin;
-      packed.rest = bindMatrix(scene_, part);
+      packed.rest = bind[parts_.size()];
       packed.has_normals = !primitive.normals.empty();
       packed.has_uvs = !primitive.uvs.empty();
       influences_ = std::max(influences_, influencesOf(packed));
@@ -394,6 +401,7 @@ class Cook {
   std::vector<std::pair<uint32_t, uint32_t>> place_points_;
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
+  std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest
   double position_error_ = 0.0;
 };
 

@@ -121,8 +121,9 @@ class Reader {
  private:
   std::filesystem::path path(const json& text) const { return recipePath(file_, text.get<std::string>()); }
 
-  static Rest rest(const json& j) {
+  Rest rest(const json& j) const {
     if (j.is_string()) return RestBind{};
+    if (j.contains("file")) return RestFile{path(j["file"])};
     if (j.contains("morphs")) return RestMorphs{j["morphs"].get<std::map<std::string, double>>()};
     const json& clip = j["clip"];
     return RestClip{clip.is_string() ? clip.get<std::string>() : clip.dump(), j.value("time", 0.0)};

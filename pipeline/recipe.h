@@ -25,7 +25,10 @@ struct RestClip {
 struct RestMorphs {
   std::map<std::string, double> weights;
 };
-using Rest = std::variant<RestBind, RestClip, RestMorphs>;
+struct RestFile {
+  std::filesystem::path file;  // absolute; its vertices correspond to the source's by their order
+};
+using Rest = std::variant<RestBind, RestClip, RestMorphs, RestFile>;
 
 // Source of d, which lies ACROSS the creases.
 struct DirectionAnimation {};

@@ -74,11 +74,11 @@ Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys,
 Shape describeRest() {
   return either(
       {word({"bind"}),
-       forms({"clip", "morphs"},
+       forms({"clip", "morphs", "file"},
              {{"clip", either({text(), integer(0, kMany)}), "Name or number of a clip."},
               {"time", number(0, kLength), "Seconds into the clip; default 0.", false, "clip"},
-              {"morphs", map(number(-100, 100)), "Weights of morph targets by name; the others are 0."}},
-             {"file"})});
+              {"morphs", map(number(-100, 100)), "Weights of morph targets by name; the others are 0."},
+              {"file", file(), "A mesh of the same vertices in the same order, in the same unit."}})});
 }
 
 Shape describeDirection() {

@@ -30,9 +30,10 @@ class Writer {
   }
 
  private:
-  static json rest(const Rest& rest) {
+  json rest(const Rest& rest) const {
     if (const auto* clip = std::get_if<RestClip>(&rest)) return {{"clip", clip->clip}, {"time", clip->time}};
     if (const auto* morphs = std::get_if<RestMorphs>(&rest)) return {{"morphs", morphs->weights}};
+    if (const auto* other = std::get_if<RestFile>(&rest)) return {{"file", path(other->file)}};
     return "bind";
   }
 

@@ -13,6 +13,7 @@ namespace {
 
 struct Options {
   std::string in, out, recipe, init, depfile, report, geometry = "draco";
+  pipeline::Sequence sequence;
   uint32_t threads = 0;
   bool force = false, quiet = false;
 };
@@ -39,13 +40,6 @@ std::string depfileText(const std::string& target, const std::vector<std::filesy
 
 void run(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto same = [](const std::string& a, const std::string& b) {
-    std::error_code error;
-    return !a.empty() && !b.empty() && std::filesystem::equivalent(a, b, error) && !error;
-  };
-  if (same(options.in, options.out) || same(options.recipe, options.out) || same(options.init, options.in))
-    throw pipeline::Error(pipeline::Exit::kBadUsage, options.out, "the output would overwrite an input",
-                          "choose another name for -o");
   std::error_code ignored;
   if (!options.init.empty() && !options.force && std::filesystem::exists(options.init, ignored))
     throw pipeline::Error(pipeline::Exit::kBadUsage, options.init, "it exists already",
@@ -55,14 +49,21 @@ void run(const Options& options) {
       options.geometry == "raw" ? pipeline::GeometryCodec::kRaw : pipeline::GeometryCodec::kDraco;
   cook_options.threads =
       options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  const pipeline::Cooked cooked = cookFile(options.in, options.recipe, cook_options, options.quiet);
+  pipeline::Sequence sequence = options.sequence;
+  sequence.base = options.in;
+  const pipeline::Cooked cooked = cookFile(sequence, options.recipe, cook_options, options.quiet);
+  for (const std::string& output : {options.out, options.init})
+    for (const std::filesystem::path& input : cooked.dependencies)
+      if (std::filesystem::equivalent(input, output, ignored))
+        throw pipeline::Error(pipeline::Exit::kBadUsage, output, "the output would overwrite an input",
+                              "choose another name for it");
   pipeline::writeFile(options.out, cooked.bytes);
   if (!options.init.empty()) writeText(options.init, pipeline::recipeText(cooked.recipe, options.init));
   if (!options.depfile.empty()) writeText(options.depfile, depfileText(options.out, cooked.dependencies));
   const pipeline::CookReport& report = cooked.report;
   if (!options.report.empty()) writeText(options.report, pipeline::reportText(report, options.out));
   if (options.quiet) return;
-  printWarnings(options.in, report.warnings);
+  printWarnings(sequence.name(), report.warnings);
   for (const pipeline::LayerReport& layer : report.layers)
     if (layer.fit)
       std::fprintf(stderr,
@@ -79,7 +80,14 @@ void run(const Options& options) {
 Command addCook(CLI::App& app) {
   CLI::App* command = app.add_subcommand("cook", "Turn a mesh into a .furrow asset");
   const auto options = std::make_shared<Options>();
-  command->add_option("IN", options->in, "glTF 2.0 (.gltf, .glb), OBJ, PLY, STL or OFF")->required();
+  CLI::Option* in = command->add_option("IN", options->in, "glTF 2.0 (.gltf, .glb), OBJ, PLY, STL or OFF");
+  CLI::Option* sequence =
+      command->add_option("--sequence", options->sequence.pattern,
+                          "Frames of a vertex animation, 'frame_*.obj', which becomes the clip \"sequence\"; "
+                          "with IN, that is the relaxed mesh, else the first frame is");
+  command->add_option("--fps", options->sequence.fps, "Frames a second of the sequence (default 24)")
+      ->needs(sequence)
+      ->check(CLI::Range(0.001, 100000.0));
   command->add_option("-o,--output", options->out, "The asset to write")->required();
   command->add_option("--recipe", options->recipe,
                       "Recipe (JSON); without one, one layer worked out from the animation");
@@ -95,6 +103,9 @@ Command addCook(CLI::App& app) {
                    "Threads for the maps (default: all cores); the bytes do not depend on it")
       ->check(CLI::Range(1, 256));
   command->add_flag("--quiet", options->quiet, "No progress, no warnings, no summary");
+  command->callback([in, sequence] {
+    if (in->empty() && sequence->empty()) throw CLI::RequiredError("IN or --sequence");
+  });
   return [options] { run(*options); };
 }
 

@@ -47,7 +47,7 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   if (looksLikeAsset(file)) {
     bytes = readFile(file);
   } else {
-    pipeline::Cooked cooked = cookFile(file, {}, {}, false);
+    pipeline::Cooked cooked = cookFile({.pattern = {}, .base = file}, {}, {}, false);
     bytes = std::move(cooked.bytes);
     opened.warnings = std::move(cooked.report.warnings);
     opened.cooked_here = true;
@@ -69,12 +69,12 @@ OpenedAsset openAsset(const std::filesystem::path& file) {
   return opened;
 }
 
-pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
+pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet) {
   const bool terminal = !quiet && ::isatty(STDERR_FILENO);
   if (terminal)
     options.progress = [&](const char* stage) {
-      std::fprintf(stderr, "\r\033[Kfurrow: %s: %s ...", source.c_str(), stage);
+      std::fprintf(stderr, "\r\033[Kfurrow: %s: %s ...", source.name().c_str(), stage);
     };
   options.progress("importing");
   struct ClearLine {
@@ -87,7 +87,8 @@ pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesy
   {
     const ClearLine clear{terminal};
     const auto begin = std::chrono::steady_clock::now();
-    pipeline::SourceScene scene = pipeline::import(source);
+    pipeline::SourceScene scene =
+        source.pattern.empty() ? pipeline::import(source.base) : pipeline::importSequence(source);
     const std::chrono::duration<double> importing = std::chrono::steady_clock::now() - begin;
     cooked = pipeline::cook(
         std::move(scene), recipe.empty() ? pipeline::defaultRecipe() : pipeline::readRecipe(recipe), options);

@@ -7,6 +7,7 @@
 
 #include "furrow/asset.h"
 #include "pipeline/cook.h"
+#include "pipeline/import/sequence.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::cli {
@@ -22,8 +23,9 @@ struct OpenedAsset {
 
 OpenedAsset openAsset(const std::filesystem::path& file);
 
-// Cooks a source with a recipe (empty path: the default one); prints stages on a terminal unless quiet.
-pipeline::Cooked cookFile(const std::filesystem::path& source, const std::filesystem::path& recipe,
+// Cooks a source (the base alone if the sequence has no pattern) with a recipe (empty path: the default one);
+// prints stages on a terminal unless quiet.
+pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet);
 
 // On stderr, one a line. The last thing a command does: a fault stands alone.

@@ -22,7 +22,7 @@ void forEachPose(const SourceScene& scene, const Surface& surface, const std::ve
   for (uint32_t v = 0; v < rest.size(); ++v) surface_vertex[source_vertex[v]] = v;
 
   std::vector<uint32_t> touched;
-  for (uint32_t m = 0; m < scene.rig.morphs.size(); ++m) {
+  for (uint32_t m = 0; m < scene.rig.morphs.size() && !scene.sequence; ++m) {
     for (const SurfacePart& span : surface.parts) {
       const Part& part = scene.parts[span.source_part];
       const Primitive& primitive = scene.primitives[part.primitive];
@@ -49,7 +49,10 @@ void forEachPose(const SourceScene& scene, const Surface& surface, const std::ve
   for (const Clip& clip : scene.rig.clips) seconds += clip.duration;
   const double rate = std::min(kPosesASecond, kMostClipPoses / std::max(seconds, 1e-6));
   for (const Clip& clip : scene.rig.clips) {
-    const int poses = std::max(3, static_cast<int>(std::lround(clip.duration * rate)));
+    const int poses =
+        scene.sequence
+            ? static_cast<int>(std::clamp<size_t>(clip.channels[0].times.size(), 2, kMostClipPoses))
+            : std::max(3, static_cast<int>(std::lround(clip.duration * rate)));
     for (int i = 0; i < poses; ++i) {
       Pose pose = defaultPose(scene.rig);
       applyClip(scene.rig, clip, clip.duration * i / (poses - 1), pose);

@@ -1,7 +1,7 @@
 #pragma once
 
 // The poses that stand for a scene's animation: every morph target at 1, and every clip, sampled 12 times a
-// second, about 64 poses in all at most, at least 3 a clip.
+// second, about 64 poses in all at most, at least 3 a clip. Of a sequence the frames, or 64 of its poses.
 
 #include <functional>
 #include <glm/vec3.hpp>

@@ -8,6 +8,11 @@
 #include "pipeline/pack/geometry.h"
 
 namespace furrow::pipeline {
+namespace {
+
+constexpr double kThinnest = 1.0 / 2000.0;  // height of a triangle over its longest edge
+
+}  // namespace
 
 bool isDegenerate(const Surface& surface, size_t triangle) {
   const glm::uvec3 p = surface.trianglePoints(triangle);
@@ -15,7 +20,7 @@ bool isDegenerate(const Surface& surface, size_t triangle) {
   const glm::dvec3 a = surface.point_positions[p.x], b = surface.point_positions[p.y],
                    c = surface.point_positions[p.z];
   const double longest = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
-  return !(glm::length(glm::cross(b - a, c - a)) > 1e-6 * longest);
+  return !(glm::length(glm::cross(b - a, c - a)) > kThinnest * longest);
 }
 
 Rings makeRings(const Surface& surface) {

@@ -19,7 +19,8 @@ struct Rings {
 
 Rings makeRings(const Surface& surface);
 
-// Whether a triangle has a plane: its area is more than 1e-6 of the square of its longest edge.
+// Whether a triangle is no measure of anything: two corners are one point, or it is a needle more than 2000
+// times as long as high, whose height is the rounding of its corners.
 bool isDegenerate(const Surface& surface, size_t triangle);
 
 }  // namespace furrow::pipeline

@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,6 +21,15 @@ enum class MeshFormat { kObj, kPly, kStlText, kStlBinary, kOff };
 std::vector<uint8_t> readBytes(const std::filesystem::path& file);
 
 SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> bytes);
+// The faces of a mesh file as they stand in it: not split at seams, not cut into triangles.
+struct Polygons {
+  std::vector<glm::vec3> positions;  // the file's vertices; finite where a face has them
+  std::vector<uint32_t> corners;     // vertices, face after face
+  std::vector<uint32_t> ends;        // of every face, in corners
+};
+Polygons importPolygons(const std::filesystem::path& file);  // as import(), which tells the format
+Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes);
+
 SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes);
 
 }  // namespace furrow::pipeline

@@ -109,7 +109,8 @@ class GltfImporter {
     return reached;
   }
 
-  // Which nodes show which mesh: those of the default scene, else all, else one of our own a mesh.
+  // Which nodes show which mesh: those of the default scene or the first, else all, else one of our own a
+  // mesh.
   void findShown() {
     shown_.resize(model_.meshes.size());
     const auto show = [&](const std::vector<bool>& reached) {
@@ -124,11 +125,10 @@ class GltfImporter {
       }
       return any;
     };
-    const bool has_scene =
-        model_.defaultScene >= 0 && static_cast<size_t>(model_.defaultScene) < model_.scenes.size();
-    if (has_scene) {
+    const size_t scene = static_cast<size_t>(std::max(model_.defaultScene, 0));
+    if (scene < model_.scenes.size()) {
       std::vector<uint32_t> nodes;
-      for (const int n : model_.scenes[static_cast<size_t>(model_.defaultScene)].nodes) {
+      for (const int n : model_.scenes[scene].nodes) {
         if (n < 0 || static_cast<size_t>(n) >= model_.nodes.size())
           fail("a scene holds a node that does not exist");
         nodes.push_back(static_cast<uint32_t>(n));
@@ -205,9 +205,14 @@ class GltfImporter {
     const std::vector<double>* weights = &mesh.weights;
     if (node < model_.nodes.size() && !model_.nodes[node].weights.empty())
       weights = &model_.nodes[node].weights;
+    // Some exporters (of VRM, above all) put the names into the primitives.
     const tinygltf::Value* names = nullptr;
-    if (mesh.extras.IsObject() && mesh.extras.Get("targetNames").IsArray())
-      names = &mesh.extras.Get("targetNames");
+    const auto find_names = [&names](const tinygltf::Value& extras) {
+      if (!names && extras.IsObject() && extras.Get("targetNames").IsArray())
+        names = &extras.Get("targetNames");
+    };
+    find_names(mesh.extras);
+    for (const tinygltf::Primitive& primitive : mesh.primitives) find_names(primitive.extras);
     for (uint32_t t = 0; t < targets; ++t) {
       MorphTarget morph{.name = {}, .node = node, .index = t, .default_weight = 0.0};
       if (names && t < names->ArrayLen() && names->Get(static_cast<int>(t)).IsString())

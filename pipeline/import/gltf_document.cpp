@@ -64,6 +64,7 @@ Container openGlb(Bytes file) {
     }
     at += 8 + (size + 3) / 4 * 4;
   }
+  while (!out.json.empty() && out.json.back() == 0) out.json = out.json.first(out.json.size() - 1);
   if (out.json.empty()) fail("the GLB has no JSON");
   return out;
 }
@@ -112,11 +113,11 @@ std::vector<std::string> checkExtensions(const json& root) {
     const std::string name = entry.get<std::string>();
     if (name == kDraco || name == kMeshopt || name == kQuantization) continue;
     const auto about = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (about("_texture_") || about("_materials_") || about("_lights_") || about("_xmp") ||
-        name == "KHR_animation_pointer") {
+    if (about("_materials_") || about("_lights_") || about("_xmp") || name == "EXT_texture_webp" ||
+        name == "KHR_texture_transform" || name == "KHR_animation_pointer") {
       warnings.push_back("the required extension " + name + " is left out: it does not shape the surface");
     } else {
-      fail("it requires the extension " + name + ", which furrow does not know");
+      fail("it requires the extension " + name + ", which furrow does not read");
     }
   }
   return warnings;

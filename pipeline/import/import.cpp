@@ -23,11 +23,14 @@ std::string_view skipSpace(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view{} : text.substr(begin);
 }
 
-bool isBinaryStl(const std::vector<uint8_t>& bytes) {
+// Its header may say "solid", and bytes may follow it or be missing; then the name must say STL.
+bool isBinaryStl(const std::vector<uint8_t>& bytes, bool named_stl) {
   if (bytes.size() < kStlHeader) return false;
   uint32_t triangles = 0;
   std::memcpy(&triangles, bytes.data() + kStlHeader - sizeof triangles, sizeof triangles);
-  return bytes.size() == kStlHeader + kStlTriangle * static_cast<size_t>(triangles);
+  if (bytes.size() == kStlHeader + kStlTriangle * static_cast<size_t>(triangles)) return true;
+  return named_stl &&
+         std::find(bytes.begin(), bytes.begin() + kStlHeader, uint8_t{0}) != bytes.begin() + kStlHeader;
 }
 
 // "OFF" with any of the prefixes that say what a vertex holds: ST, C, N, 4, n.
@@ -50,7 +53,7 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
   const std::string extension = extensionOf(file);
   if (raw.starts_with("glTF") || text.starts_with('{')) return std::nullopt;
   if (raw.starts_with("ply\n") || raw.starts_with("ply\r")) return MeshFormat::kPly;
-  if (isBinaryStl(bytes)) return MeshFormat::kStlBinary;
+  if (isBinaryStl(bytes, extension == ".stl")) return MeshFormat::kStlBinary;
   if (isOff(text)) return MeshFormat::kOff;
   if (extension == ".obj") return MeshFormat::kObj;
   if (text.starts_with("solid") || extension == ".stl") return MeshFormat::kStlText;
@@ -64,12 +67,10 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
               "give it glTF, GLB, OBJ, PLY, STL or OFF");
 }
 
-SourceScene read(const std::filesystem::path& file) {
+std::vector<uint8_t> readModel(const std::filesystem::path& file) {
   std::vector<uint8_t> bytes = readBytes(file);
   if (bytes.empty()) throw Error(Exit::kBadData, file.string(), "the file is empty", "export it again");
-  if (const std::optional<MeshFormat> format = tellFormat(file, bytes))
-    return importMeshFile(file, *format, std::move(bytes));
-  return importGltf(file, std::move(bytes));
+  return bytes;
 }
 
 // The first line of a library's message, short enough to print.
@@ -78,6 +79,20 @@ std::string firstLine(std::string_view message) {
   message = message.substr(0, std::min(message.find('\n'), kLongest));
   while (message.ends_with('.') || message.ends_with(' ')) message.remove_suffix(1);
   return std::string(message);
+}
+
+// read(), whose faults become Errors that name the file.
+template <typename Read>
+auto guarded(const std::filesystem::path& file, const Read& read) {
+  try {
+    return read();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(Exit::kBadData, file.string(), "it asks for more memory than there is", "export it again");
+  } catch (const std::exception& e) {
+    throw Error(Exit::kBadData, file.string(), firstLine(e.what()), "export it again");
+  }
 }
 
 }  // namespace
@@ -102,17 +117,25 @@ std::vector<uint8_t> readBytes(const std::filesystem::path& file) {
 }
 
 SourceScene import(const std::filesystem::path& file) {
-  try {
-    SourceScene scene = read(file);
+  return guarded(file, [&] {
+    std::vector<uint8_t> bytes = readModel(file);
+    const std::optional<MeshFormat> format = tellFormat(file, bytes);
+    SourceScene scene =
+        format ? importMeshFile(file, *format, std::move(bytes)) : importGltf(file, std::move(bytes));
     scene.file = file;
     return scene;
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw Error(Exit::kBadData, file.string(), "it asks for more memory than there is", "export it again");
-  } catch (const std::exception& e) {
-    throw Error(Exit::kBadData, file.string(), firstLine(e.what()), "export it again");
-  }
+  });
+}
+
+Polygons importPolygons(const std::filesystem::path& file) {
+  return guarded(file, [&] {
+    std::vector<uint8_t> bytes = readModel(file);
+    const std::optional<MeshFormat> format = tellFormat(file, bytes);
+    if (!format)
+      throw Error(Exit::kBadData, file.string(), "glTF cannot be a part of a sequence",
+                  "give OBJ, PLY, STL or OFF, or the animation as glTF");
+    return polygonsOf(*format, std::move(bytes));
+  });
 }
 
 }  // namespace furrow::pipeline

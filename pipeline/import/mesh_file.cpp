@@ -9,11 +9,13 @@
 #include <istream>
 #include <map>
 #include <mutex>
+#include <span>
+#include <sstream>
 #include <streambuf>
 #include <string_view>
 
-#include "pipeline/error.h"
 #include "pipeline/import/formats.h"
+#include "pipeline/import/simple_ply.h"
 
 // The readers register themselves from this header.
 #include <OpenMesh/Core/IO/MeshIO.hh>
@@ -224,6 +226,11 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
     if (line_feed < bytes.size() && bytes[line_feed] == '\n')
       std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(i), line_feed + 1 - i, uint8_t{' '});
   }
+  if (constexpr uint8_t kMark[] = {0xEF, 0xBB, 0xBF};
+      bytes.size() > 3 && std::equal(kMark, kMark + 3, bytes.begin()))
+    std::fill_n(bytes.begin(), 3, uint8_t{' '});
+  if (std::find(bytes.begin(), bytes.end(), '\n') == bytes.end())
+    std::replace(bytes.begin(), bytes.end(), uint8_t{'\r'}, uint8_t{'\n'});
   char* text = reinterpret_cast<char*>(bytes.data());
   size_t vertices = 0;
   for (size_t begin = 0; begin < bytes.size();) {
@@ -249,68 +256,46 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
   return vertices;
 }
 
-std::vector<std::string_view> wordsOf(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
-    const size_t end = std::min(line.find_first_of(" \t"), line.size());
-    words.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-  return words;
-}
-
-bool isOneOf(std::string_view word, std::string_view spaced_words) {
-  const std::vector<std::string_view> words = wordsOf(spaced_words);
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-// OpenMesh's reader trusts the header: what it does not know, lists above all, it takes for something else or
-// skips by the wrong length.
-void checkPlyHeader(const std::filesystem::path& file, std::vector<uint8_t>& bytes) {
-  constexpr const char* kSingle = "float float32";
-  constexpr const char* kDouble = "double float64";
-  constexpr const char* kInteger = "char uchar short ushort int uint int8 uint8 int16 uint16 int32 uint32";
+// Changes in place what OpenMesh's reader cannot bear in OFF text: comments, counts behind the keyword,
+// colours of faces.
+void prepareOff(std::vector<uint8_t>& bytes) {
   char* text = reinterpret_cast<char*>(bytes.data());
-  std::string element;
-  for (size_t begin = 0, number = 1; begin < bytes.size(); ++number) {
+  size_t lines = 0, vertices = 0;
+  for (size_t begin = 0; begin < bytes.size();) {
     const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
-    if (!found) break;
-    const size_t end = static_cast<size_t>(static_cast<const char*>(found) - text);
-    const std::string_view line(text + begin, end - begin);
-    const std::vector<std::string_view> words = wordsOf(line);
-    const auto is = [&](size_t i, std::string_view word) { return i < words.size() && words[i] == word; };
-    const size_t count = words.size();
-    bool known = is(0, "comment") || count == 0;
-    if (number == 1) {
-      known = count == 1;
-    } else if (number == 2) {
-      known = count == 3 && is(0, "format");
-    } else if (is(0, "obj_info")) {
-      std::memcpy(text + (words[0].data() - text), "comment ", 8);
-      known = true;
-    } else if (is(0, "end_header")) {
-      return;
-    } else if (is(0, "element") && count == 3) {
-      if (element == "face") return;  // what follows is not read
-      element = words[1];
-      known = true;
-    } else if (is(0, "property") && is(1, "list") && count == 5) {
-      known = element == "face" && isOneOf(words[2], "uchar uint8 uint16 int") &&
-              isOneOf(words[3], kInteger) && isOneOf(words[4], "vertex_indices vertex_index");
-    } else if (is(0, "property") && count == 3 && !element.empty()) {
-      const bool single = isOneOf(words[1], kSingle), twice = isOneOf(words[1], kDouble);
-      const bool color = isOneOf(words[2], "red green blue alpha diffuse_red diffuse_green diffuse_blue");
-      known = single || (twice && !color) ||
-              (isOneOf(words[1], kInteger) && !isOneOf(words[2], "x y z nx ny nz u v s t"));
+    size_t end = found ? static_cast<size_t>(static_cast<const char*>(found) - text) : bytes.size();
+    const size_t comment = std::min(std::string_view(text + begin, end - begin).find('#'), end - begin);
+    std::fill(text + begin + comment, text + end, ' ');
+    const std::string_view line = trimmed({text + begin, end - begin});
+    std::istringstream words{std::string(line)};
+    if (line.empty()) {
+      std::fill(text + begin, text + end, ' ');
+    } else if (lines++ == 0) {
+      if (line.find("BINARY") != std::string_view::npos) return;
+      const size_t space = line.find_first_of(" \t");
+      if (space != std::string_view::npos) {
+        end = static_cast<size_t>(line.data() - text) + space;
+        text[end] = '\n';
+      }
+    } else if (lines == 2) {
+      size_t faces = 0, edges = 0;
+      if (!(words >> vertices >> faces)) return;
+      if (!(words >> edges)) {
+        const std::string_view zero = " 0";
+        bytes.insert(bytes.begin() + static_cast<ptrdiff_t>(end), zero.begin(), zero.end());
+        text = reinterpret_cast<char*>(bytes.data());
+        end += zero.size();
+      }
+    } else if (lines > 2 + vertices) {
+      size_t corners = 0;
+      words >> corners;
+      std::string corner;
+      while (corners > 0 && words >> corner) --corners;
+      if (const auto at = words.tellg(); at >= 0)
+        std::fill(text + (line.data() - text) + static_cast<ptrdiff_t>(at), text + end, ' ');
     }
-    if (!known)
-      throw Error(Exit::kBadData, file.string(),
-                  "line " + std::to_string(number) + " of its header is more than furrow reads: \"" +
-                      std::string(trimmed(line).substr(0, 80)) + "\"",
-                  "save it without, or as OBJ or glTF");
     begin = end + 1;
   }
-  fail("its header does not end");
 }
 
 const char* extensionOf(MeshFormat format) {
@@ -411,6 +396,7 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
   for (const uint32_t c : wanted) {
     const Recorder::Corner& corner = mesh.corners[c];
     out.positions.push_back(mesh.positions[corner.place]);
+    out.file_vertices.push_back(corner.place);
     if (mesh.has_normals) out.normals.push_back(finite(corner.normal) ? corner.normal : glm::vec3(0.0f));
     if (mesh.has_uvs)
       out.uvs.push_back(std::isfinite(corner.uv.x) && std::isfinite(corner.uv.y) ? corner.uv
@@ -425,16 +411,32 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
   return out;
 }
 
-}  // namespace
-
-SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
+Recorder record(MeshFormat format, std::vector<uint8_t>& bytes) {
   std::vector<MaterialChange> changes;
   const size_t promised = format == MeshFormat::kObj ? prepareObj(bytes, changes) : 0;
-  if (format == MeshFormat::kPly) checkPlyHeader(file, bytes);
+  if (format == MeshFormat::kPly) bytes = simplePly(bytes);
+  if (format == MeshFormat::kOff) prepareOff(bytes);
   MemoryBuffer buffer(bytes);
   Recorder mesh(buffer, promised, std::move(changes));
   parse(format, buffer, mesh);
   if (mesh.polygon_ends.empty()) fail("it has no faces");
+  return mesh;
+}
+
+}  // namespace
+
+Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes) {
+  Recorder mesh = record(format, bytes);
+  Polygons out{std::move(mesh.positions), std::move(mesh.polygon_corners), std::move(mesh.polygon_ends)};
+  for (uint32_t& corner : out.corners) {
+    corner = mesh.corners[corner].place;
+    if (!finite(out.positions[corner])) fail("a position is not finite");
+  }
+  return out;
+}
+
+SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
+  const Recorder mesh = record(format, bytes);
 
   SourceScene scene;
   scene.dependencies.push_back(file);

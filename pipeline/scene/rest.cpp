@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <iterator>
+#include <map>
 
 #include "pipeline/error.h"
 #include "pipeline/scene/posing.h"
@@ -21,10 +24,7 @@ size_t depth(const Rig& rig, uint32_t node) {
   return steps;
 }
 
-}  // namespace
-
-glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part) {
-  const std::vector<glm::dmat4> palette = evaluate(scene.rig, defaultPose(scene.rig)).palette;
+glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part, const std::vector<glm::dmat4>& palette) {
   if (!part.skinned || part.palette_count == 0) return palette[part.palette_begin];
   uint32_t top = part.palette_begin;
   std::vector<double> scales;
@@ -42,8 +42,48 @@ glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part) {
   return bind;
 }
 
-std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part, const Rest& rest) {
-  const Primitive& primitive = scene.primitives[part.primitive];
+// Of all vertices in source order.
+std::vector<uint32_t> fileVertices(const SourceScene& scene) {
+  std::vector<uint32_t> out;
+  for (const Part& part : scene.parts) {
+    const Primitive& primitive = scene.primitives[part.primitive];
+    for (size_t v = 0; v < primitive.positions.size(); ++v)
+      out.push_back(primitive.file_vertices.empty() ? static_cast<uint32_t>(out.size())
+                                                    : primitive.file_vertices[v]);
+  }
+  return out;
+}
+
+// Pairs of file vertices, ascending, each once.
+std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const SourceScene& scene,
+                                                   const std::vector<uint32_t>& file_vertices) {
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  uint32_t first_vertex = 0;
+  for (const Part& part : scene.parts) {
+    const Primitive& primitive = scene.primitives[part.primitive];
+    for (size_t i = 0; i < primitive.indices.size(); ++i) {
+      const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+      edges.push_back(std::minmax(file_vertices[first_vertex + primitive.indices[i]],
+                                  file_vertices[first_vertex + primitive.indices[next]]));
+    }
+    first_vertex += static_cast<uint32_t>(primitive.positions.size());
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+}  // namespace
+
+std::vector<glm::dmat4> bindMatrices(const SourceScene& scene) {
+  const std::vector<glm::dmat4> palette = evaluate(scene.rig, defaultPose(scene.rig)).palette;
+  std::vector<glm::dmat4> out;
+  for (const Part& part : scene.parts) out.push_back(bindMatrix(scene, part, palette));
+  return out;
+}
+
+std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Rest& rest) {
+  std::vector<glm::dvec3> out;
   if (const auto* at = std::get_if<RestClip>(&rest)) {
     const Clip* clip = findClip(scene.rig, at->clip);
     if (!clip) {
@@ -54,26 +94,83 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part
     }
     Pose pose = defaultPose(scene.rig);
     applyClip(scene.rig, *clip, at->time, pose);
-    return posePart(scene, part, evaluate(scene.rig, pose));
-  }
-  std::vector<glm::dvec3> positions(primitive.positions.begin(), primitive.positions.end());
-  if (const auto* morphs = std::get_if<RestMorphs>(&rest)) {
-    for (const auto& [name, weight] : morphs->weights) {
-      const auto has_name = [&name = name](const MorphTarget& target) { return target.name == name; };
-      if (std::none_of(scene.rig.morphs.begin(), scene.rig.morphs.end(), has_name))
-        throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
-                    "correct \"rest\" in the recipe");
-      for (size_t m = 0; m < primitive.morphs.size(); ++m) {
-        if (scene.rig.morphs[part.first_morph + m].name != name) continue;
-        const MorphDelta& delta = primitive.morphs[m];
-        for (size_t i = 0; i < delta.vertices.size(); ++i)
-          positions[delta.vertices[i]] += weight * glm::dvec3(delta.positions[i]);
-      }
+    const PosedRig posed = evaluate(scene.rig, pose);
+    for (const Part& part : scene.parts) {
+      const std::vector<glm::dvec3> positions = posePart(scene, part, posed);
+      out.insert(out.end(), positions.begin(), positions.end());
     }
+    return out;
   }
-  const glm::dmat4 bind = bindMatrix(scene, part);
-  for (glm::dvec3& p : positions) p = glm::dvec3(bind * glm::dvec4(p, 1.0));
-  return positions;
+  const auto* morphs = std::get_if<RestMorphs>(&rest);
+  for (const auto& [name, weight] : morphs ? morphs->weights : std::map<std::string, double>{}) {
+    const auto has_name = [&name = name](const MorphTarget& target) { return target.name == name; };
+    if (std::none_of(scene.rig.morphs.begin(), scene.rig.morphs.end(), has_name))
+      throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
+                  "correct \"rest\" in the recipe");
+  }
+  const std::vector<glm::dmat4> bind = bindMatrices(scene);
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
+    const Part& part = scene.parts[i];
+    const Primitive& primitive = scene.primitives[part.primitive];
+    const size_t first = out.size();
+    out.insert(out.end(), primitive.positions.begin(), primitive.positions.end());
+    for (size_t m = 0; morphs && m < primitive.morphs.size(); ++m) {
+      const auto weight = morphs->weights.find(scene.rig.morphs[part.first_morph + m].name);
+      if (weight == morphs->weights.end()) continue;
+      const MorphDelta& delta = primitive.morphs[m];
+      for (size_t k = 0; k < delta.vertices.size(); ++k)
+        out[first + delta.vertices[k]] += weight->second * glm::dvec3(delta.positions[k]);
+    }
+    for (size_t v = first; v < out.size(); ++v) out[v] = glm::dvec3(bind[i] * glm::dvec4(out[v], 1.0));
+  }
+  return out;
+}
+
+std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file) {
+  const auto refuse = [&](const std::string& what, const char* remedy) -> Error {
+    return Error(Exit::kBadData, file.file.string(), what, remedy);
+  };
+  const std::vector<uint32_t> wanted = fileVertices(scene), given = fileVertices(file);
+  const size_t count = *std::max_element(wanted.begin(), wanted.end()) + size_t{1};
+  const size_t given_count = *std::max_element(given.begin(), given.end()) + size_t{1};
+  const std::string source = scene.file.filename().string();
+  const char* const same = "export it with the vertices of the source, in their order";
+  if (given_count != count)
+    throw refuse(
+        "it has " + std::to_string(given_count) + " vertices and " + source + " has " + std::to_string(count),
+        same);
+
+  constexpr double kNowhere = INFINITY;
+  std::vector<glm::dvec3> place(count, glm::dvec3(kNowhere)), bind_place(count);
+  const std::vector<glm::dvec3> given_positions = restPositions(file, RestBind{}),
+                                bind = restPositions(scene, RestBind{});
+  for (size_t v = 0; v < given.size(); ++v) place[given[v]] = given_positions[v];
+  std::vector<glm::dvec3> offsets;
+  for (size_t v = 0; v < wanted.size(); ++v) {
+    if (place[wanted[v]].x == kNowhere)
+      throw refuse("no face has vertex " + std::to_string(wanted[v] + 1) + " of " + source, same);
+    bind_place[wanted[v]] = bind[v];
+    offsets.push_back(place[wanted[v]] - bind[v]);
+  }
+
+  // Polygons may have been cut into triangles in another way: then their sides are still the same.
+  const auto edges = edgesOf(scene, wanted), given_edges = edgesOf(file, given);
+  std::vector<std::pair<uint32_t, uint32_t>> shared;
+  std::set_intersection(edges.begin(), edges.end(), given_edges.begin(), given_edges.end(),
+                        std::back_inserter(shared));
+  if (2 * shared.size() < edges.size())
+    throw refuse("its faces join other vertices than those of " + source, same);
+  double length = 0.0, given_length = 0.0;
+  for (const auto& [a, b] : shared) {
+    length += glm::distance(bind_place[a], bind_place[b]);
+    given_length += glm::distance(place[a], place[b]);
+  }
+  constexpr double kOtherUnit = 3.0;
+  if (!(given_length < kOtherUnit * length && length < kOtherUnit * given_length))
+    throw refuse(
+        "its edges are " + std::to_string(given_length / length) + " times as long as those of " + source,
+        "export it in the unit of the source");
+  return offsets;
 }
 
 const Clip* findClip(const Rig& rig, const std::string& name) {

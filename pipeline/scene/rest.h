@@ -10,15 +10,20 @@
 
 namespace furrow::pipeline {
 
-// Part space -> root space in the bind pose. A mesh without skin: its node's world matrix. A skin: what its
-// topmost joint makes of the mesh under the file's own node transforms, its uniform scale replaced by the
-// median over the joints; so a unit factor that the file hides in its inverse bind matrices is counted once,
-// and nodes above the skeleton change nothing.
-glm::dmat4 bindMatrix(const SourceScene& scene, const Part& part);
+// Part space -> root space in the bind pose, for every part. A mesh without skin: its node's world matrix. A
+// skin: what its topmost joint makes of the mesh under the file's own node transforms, its uniform scale
+// replaced by the median over the joints; so a unit factor that the file hides in its inverse bind matrices
+// is counted once, and nodes above the skeleton change nothing.
+std::vector<glm::dmat4> bindMatrices(const SourceScene& scene);
 
-// Root-space rest positions of a part's vertices. Throws Error (kBadData) where the recipe names a clip or
-// morph the file lacks.
-std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Part& part, const Rest& rest);
+// Root-space rest positions of all vertices in source order; a RestFile counts as the bind pose, see
+// restOffsets(). Throws Error (kBadData) where the recipe names a clip or morph the file lacks.
+std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Rest& rest);
+
+// From every vertex's place in the bind pose to its place in `file`, root space, source order. The files' own
+// lists of vertices correspond. Throws Error (kBadData) naming `file` where they do not: other vertices,
+// other edges, another unit of length.
+std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file);
 
 // By name, or by number if no clip has that name; null if there is none.
 const Clip* findClip(const Rig& rig, const std::string& name_or_number);

@@ -41,7 +41,9 @@ struct Primitive {
   std::vector<uint16_t> joints;  // influences a vertex, index into the skin's joints
   std::vector<float> weights;    // influences a vertex, >= 0, adding up to 1
   std::vector<uint32_t> indices;
-  std::vector<MorphDelta> morphs;  // one a target of the mesh
+  std::vector<MorphDelta> morphs;       // one a target of the mesh
+  std::vector<uint32_t> file_vertices;  // number of every vertex in the file's own list, which seams split
+                                        // and materials divide; empty: source order
 };
 
 // A primitive as one node shows it.
@@ -75,6 +77,7 @@ struct SourceScene {
   std::vector<Lines> lines;
   std::vector<Material> materials;
   Rig rig;
+  bool sequence = false;                            // the morph targets are the frames of the one clip
   std::vector<std::string> warnings;                // one line each, without the file's name
   std::vector<std::filesystem::path> dependencies;  // every file read, `file` first
 };

@@ -173,7 +173,7 @@ std::set<std::string> keysOf(const std::string& recipe) {
 TEST_F(RecipeTest, TheTestAboveHasEveryKeyOfTheTable) {
   std::set<std::string> names, used = keysOf(kEverything);
   collectKeys(recipeShape(), names);
-  used.insert("morphs");  // ReadsTheOtherFormsOfRest
+  used.insert({"morphs", "file"});  // ReadsTheOtherFormsOfRest
   EXPECT_EQ(used, names);
 }
 
@@ -252,6 +252,9 @@ TEST_F(RecipeTest, ReadsTheOtherFormsOfRest) {
   Recipe recipe = read(R"({"rest": {"morphs": {"jawOpen": 0.1, "smile": -1}}, "layers": [{"name": "a"}]})");
   EXPECT_THAT(std::get<RestMorphs>(recipe.rest).weights,
               ElementsAre(testing::Pair("jawOpen", 0.1), testing::Pair("smile", -1.0)));
+  recipe = read(R"({"rest": {"file": "map.png"}, "layers": [{"name": "a"}]})");
+  EXPECT_EQ(std::get<RestFile>(recipe.rest).file, folder_ / "map.png");
+  EXPECT_EQ(std::get<RestFile>(read(recipeText(recipe, file())).rest).file, folder_ / "map.png");
 }
 
 TEST_F(RecipeTest, TheStretchResponseFollowsTheCompressResponse) {
@@ -379,11 +382,6 @@ TEST_F(RecipeTest, FormsDoNotMix) {
             "layers[0].compress.depth: does not go with \"normal\": it goes with \"height\"");
   EXPECT_EQ(errorOf(R"({"rest": {"morphs": {}, "time": 1}, "layers": [{"name": "a"}]})"),
             "rest.time: does not go with \"morphs\": it goes with \"clip\"");
-}
-
-TEST_F(RecipeTest, FormsOfLaterVersionsAreNamed) {
-  EXPECT_EQ(errorOf(R"({"rest": {"file": "neutral.obj"}, "layers": [{"name": "a"}]})"),
-            "rest.file: not supported yet in this version: use \"clip\" or \"morphs\"");
 }
 
 TEST_F(RecipeTest, LayerNamesAreUniqueAndFitACsvHeader) {

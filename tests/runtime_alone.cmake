@@ -1,0 +1,38 @@
+# cmake -DTOOL= -DSOURCE= -DSCRATCH= -DDRACO=ON|OFF -DGENERATOR= -DCOMPILER= -DLAUNCHER= -P runtime_alone.cmake: builds a game with the
+# runtime alone, where no other package can be found, and loads assets in it.
+
+# Runs a command; its exit status and output are left in `status` and `said`.
+function(run)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE result)
+  set(status ${result} PARENT_SCOPE)
+  set(said ${out} PARENT_SCOPE)
+endfunction()
+
+function(run_well)
+  run(${ARGN})
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "status ${status}: ${ARGN}\n${said}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH})
+set(here ${CMAKE_CURRENT_LIST_DIR}/runtime_alone)
+run_well(${CMAKE_COMMAND} -S ${here} -B ${SCRATCH}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+         -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release -DFURROW_WITH_DRACO=${DRACO}
+         -DCMAKE_PROJECT_TOP_LEVEL_INCLUDES=${here}/provider.cmake)
+run_well(${CMAKE_COMMAND} --build ${SCRATCH}/build)
+
+file(WRITE ${SCRATCH}/recipe.json [[{"layers": [{"name": "a", "compress": "none"}]}]])
+foreach(geometry raw draco)
+  run_well(${TOOL} cook ${SOURCE} --recipe ${SCRATCH}/recipe.json --geometry ${geometry} -o ${SCRATCH}/${geometry}.furrow)
+endforeach()
+run_well(${SCRATCH}/build/game ${SCRATCH}/raw.furrow)
+if(DRACO)
+  run_well(${SCRATCH}/build/game ${SCRATCH}/draco.furrow)
+else()
+  run(${SCRATCH}/build/game ${SCRATCH}/draco.furrow)
+  if(NOT status EQUAL 1 OR NOT said MATCHES "Draco")
+    message(FATAL_ERROR "a runtime without Draco should refuse a Draco asset by name, but status ${status}: ${said}")
+  endif()
+endif()
+file(REMOVE_RECURSE ${SCRATCH})
