@@ -37,10 +37,9 @@ Shape above(double min, double max) {
   shape.above_min = true;
   return shape;
 }
-Shape word(std::vector<std::string> words, std::vector<std::string> planned = {}) {
+Shape word(std::vector<std::string> words) {
   Shape shape = make(Kind::kWord);
   shape.words = std::move(words);
-  shape.planned = std::move(planned);
   return shape;
 }
 Shape list(Shape item, double min, double max) {
@@ -63,11 +62,9 @@ Shape object(std::vector<RecipeKey> keys) {
   shape.keys = std::move(keys);
   return shape;
 }
-Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys,
-            std::vector<std::string> planned = {}) {
+Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys) {
   Shape shape = object(std::move(keys));
   shape.forms = std::move(names);
-  shape.planned = std::move(planned);
   return shape;
 }
 
