@@ -22,4 +22,4 @@ demo: deps build
 	tools/demo.sh build/bin build/content out
 
 clean:
-	rm -rf build build-dev build-asan build-clang build-fuzz out
+	rm -rf build build-dev build-asan build-clang build-asan-clang build-fuzz out

@@ -6,6 +6,9 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <numeric>
+#include <set>
+#include <span>
 
 #include "pipeline/bake/response_fit.h"
 #include "pipeline/bake/rings.h"
@@ -23,6 +26,12 @@
 namespace furrow::pipeline {
 namespace {
 
+// Gives their memory back; a vector keeps it when it is merely cleared.
+template <typename... T>
+void release(T&... values) {
+  ((values = T()), ...);
+}
+
 class Cook {
  public:
   Cook(SourceScene scene, const Recipe& recipe, const CookOptions& options)
@@ -39,12 +48,13 @@ class Cook {
       dependencies_ = file.dependencies;
     }
     stage("welding");
-    const std::vector<glm::vec3> source_rest = restFloats();
+    std::vector<glm::vec3> source_rest = restFloats();
     weld_ = weld(scene_, source_rest);
+    stage("packing geometry");
     packParts();
-    makeSurface(source_rest);
+    makeSurface(std::move(source_rest));
     stage("measuring the animation");
-    const Rings rings = makeRings(surface_);
+    Rings rings = makeRings(surface_);
     Squeeze squeeze;
     if (needsSqueeze()) {
       squeeze = measureSqueeze(scene_, surface_, source_vertex_);
@@ -52,12 +62,10 @@ class Cook {
         warn(
             "no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and "
             "drivers");
-    } else {
-      squeeze.tensor.assign(surface_.triangles.size(), glm::vec3(0.0f));
-      squeeze.peak.assign(surface_.triangles.size(), 0.0f);
     }
     stage("baking layers");
-    const LayerInput input{scene_, surface_, source_vertex_, squeeze, recipe_file_};
+    const MaskImages masks = maskImages();
+    const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, recipe_file_};
     std::vector<BakedLayer> layers;
     for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
     resolveNames();
@@ -73,14 +81,23 @@ class Cook {
     Cooked cooked;
     cooked.bytes = writeAsset({scene_, surface_, weld_, rings, recipe_, layers, sets, parts_, source_vertex_,
                                place_points_, influences_, position_error_});
+    report();
+    release(rings, squeeze, layers, sets, surface_, parts_, weld_, source_vertex_, scene_.primitives);
+    stage("loading it again");
     Asset loaded;
     if (const Status status = loaded.load(cooked.bytes); !status.ok())
       throw Error(Exit::kBadData, scene_.file.string(),
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
     endStage();
-    report();
+    for (const TextureSet& set : loaded.view().texture_sets)
+      for (const Texture* texture : {&set.normals, &set.shading, &set.masks})
+        if (texture->slices > 0)
+          report_.textures.push_back({std::string(set.name), texture->format, texture->width, texture->height,
+                                      texture->slices, texture->data.size(), texture->rms_error,
+                                      texture->largest_error});
     report_.bytes = cooked.bytes.size();
+    report_.morph_error = double{loaded.view().morph_error};
     cooked.recipe = recipe_;
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
@@ -126,8 +143,19 @@ class Cook {
   bool needsSqueeze() const {
     return std::any_of(recipe_.layers.begin(), recipe_.layers.end(), [](const LayerRecipe& layer) {
       return std::holds_alternative<DirectionAnimation>(layer.direction) ||
-             std::holds_alternative<MaskAuto>(layer.mask);
+             std::holds_alternative<MaskAuto>(layer.mask) ||
+             std::holds_alternative<MapSynthesized>(layer.compress) ||
+             std::holds_alternative<MapSynthesized>(layer.stretch);
     });
+  }
+
+  MaskImages maskImages() {
+    std::set<std::filesystem::path> named;
+    for (const LayerRecipe& layer : recipe_.layers)
+      if (const auto* mask = std::get_if<MaskTexture>(&layer.mask)) named.insert(mask->texture);
+    const std::vector<std::filesystem::path> files(named.begin(), named.end());
+    dependencies_.insert(dependencies_.end(), files.begin(), files.end());
+    return readMasks(files, options_.threads);
   }
 
   // Root-space rest positions of all parts in source order.
@@ -169,14 +197,13 @@ class Cook {
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
       const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
-      std::vector<glm::uvec3> triangles;
-      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
-        triangles.push_back({primitive.indices[i], primitive.indices[i + 1], primitive.indices[i + 2]});
+      const std::span triangles(reinterpret_cast<const glm::uvec3*>(primitive.indices.data()),
+                                primitive.indices.size() / 3);
       const std::vector<glm::vec4> frames =
           primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
                                      : primitive.tangents;
-      PackedPart packed =
-          packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1, options_.geometry);
+      PackedPart packed = packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1,
+                                       options_.geometry, geometry_.emplace_back());
       packed.mesh = part.mesh;
       if (part.material < scene_.materials.size()) {
         packed.material = scene_.materials[part.material].name;
@@ -188,7 +215,6 @@ class Cook {
       packed.has_uvs = !primitive.uvs.empty();
       influences_ = std::max(influences_, influencesOf(packed));
       first_vertex += packed.vertices;
-      geometry_.push_back(unpackGeometry(packed, influencesOf(packed)));
       if (packed.draco.empty() && options_.geometry == GeometryCodec::kDraco)
         warn("mesh \"" + part.mesh + "\" could not be Draco-encoded and is stored raw");
       parts_.push_back(std::move(packed));
@@ -199,14 +225,18 @@ class Cook {
         positions[geometry_.back().source[v]] = {p.x, p.y, p.z};
       }
     }
-    for (size_t i = 0; i < decoded.size(); ++i)
-      if (!decoded[i].empty()) scene_.primitives[i].positions = std::move(decoded[i]);
+    for (size_t i = 0; i < decoded.size(); ++i) {
+      Primitive& primitive = scene_.primitives[i];
+      if (!decoded[i].empty()) primitive.positions = std::move(decoded[i]);
+      release(primitive.normals, primitive.tangents, primitive.uvs);  // the surface has them from here on
+    }
   }
 
-  void makeSurface(const std::vector<glm::vec3>& source_rest) {
+  void makeSurface(std::vector<glm::vec3> source_rest) {
     const std::vector<glm::vec3> rest = restFloats();
     for (size_t v = 0; v < rest.size(); ++v)
       position_error_ = std::max(position_error_, double{glm::distance(rest[v], source_rest[v])});
+    release(source_rest);
 
     std::vector<uint32_t> source_point;
     for (uint32_t i = 0; i < scene_.parts.size(); ++i) {
@@ -244,7 +274,9 @@ class Cook {
       span.triangle_end = static_cast<uint32_t>(surface_.triangles.size());
       surface_.parts.push_back(span);
     }
+    release(geometry_);
     numberPoints(source_point);
+    release(weld_.vertex_point, weld_.vertex_place);
     pointGeometry();
   }
 
@@ -256,19 +288,22 @@ class Cook {
   // Points in the order in which the asset's vertices first meet their places, the points of one place next
   // to each other.
   void numberPoints(const std::vector<uint32_t>& source_point) {
-    std::vector<uint32_t> place_of_point(weld_.points);
-    std::vector<std::vector<uint32_t>> points_of_place(weld_.places);
+    std::vector<uint32_t> place_of_point(weld_.points), first_of_place(weld_.places + 1, 0);
     for (size_t v = 0; v < weld_.vertex_point.size(); ++v)
       place_of_point[weld_.vertex_point[v]] = weld_.vertex_place[v];
-    for (uint32_t p = 0; p < weld_.points; ++p) points_of_place[place_of_point[p]].push_back(p);
+    for (uint32_t place : place_of_point) ++first_of_place[place + 1];
+    std::partial_sum(first_of_place.begin(), first_of_place.end(), first_of_place.begin());
+    std::vector<uint32_t> points_by_place(weld_.points), free = first_of_place;
+    for (uint32_t p = 0; p < weld_.points; ++p) points_by_place[free[place_of_point[p]]++] = p;
     std::vector<uint32_t> number(weld_.points, kNoIndex);
     place_points_.assign(weld_.places, {0, 0});
     uint32_t next = 0;
     for (uint32_t point : source_point) {
       if (number[point] == kNoIndex) {
         const uint32_t place = place_of_point[point];
-        place_points_[place] = {next, static_cast<uint32_t>(points_of_place[place].size())};
-        for (uint32_t each : points_of_place[place]) number[each] = next++;
+        const uint32_t begin = first_of_place[place], end = first_of_place[place + 1];
+        place_points_[place] = {next, end - begin};
+        for (uint32_t i = begin; i < end; ++i) number[points_by_place[i]] = next++;
       }
       surface_.vertex_point.push_back(number[point]);
     }

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/maps/encode.h"
+
 namespace furrow::pipeline {
 
 std::string reportText(const CookReport& report, const std::string& asset) {
@@ -22,6 +24,16 @@ std::string reportText(const CookReport& report, const std::string& asset) {
       out["fit"] = {
           {"target", layer.fit->target}, {"alpha", layer.fit->alpha}, {"weight", layer.fit->weight}};
   }
+  json textures = json::array();
+  for (const TextureReport& t : report.textures)
+    textures.push_back({{"set", t.set},
+                        {"format", textureFormatName(t.format)},
+                        {"width", t.width},
+                        {"height", t.height},
+                        {"slices", t.slices},
+                        {"bytes", t.bytes},
+                        {"rmsError", t.rms_error},
+                        {"largestError", t.largest_error}});
   const json out = {{"asset", asset},
                     {"bytes", report.bytes},
                     {"vertices", report.vertices},
@@ -32,8 +44,10 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"morphTargets", report.morphs},
                     {"clips", report.clips},
                     {"positionError", report.position_error},
+                    {"morphError", report.morph_error},
                     {"diagonal", report.diagonal},
                     {"layers", layers},
+                    {"textures", textures},
                     {"seconds", seconds},
                     {"stages", stages},
                     {"warnings", report.warnings}};

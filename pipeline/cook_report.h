@@ -29,13 +29,24 @@ struct LayerReport {
   double low_confidence = 0.0;
 };
 
+// A texture of the asset, its errors as furrow::Texture has them.
+struct TextureReport {
+  std::string set;
+  TextureFormat format = TextureFormat::kRgba8;
+  uint32_t width = 0, height = 0, slices = 0;
+  size_t bytes = 0;
+  float rms_error = 0.0f, largest_error = 0.0f;
+};
+
 struct CookReport {
   uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
            clips = 0;
-  double position_error = 0.0;  // root-space units
+  double position_error = 0.0;  // of a vertex at rest, root-space units
+  double morph_error = 0.0;     // of a displacement by a morph target at weight 1
   double diagonal = 0.0;        // of the rest bounding box
   size_t bytes = 0;             // of the asset
   std::vector<LayerReport> layers;
+  std::vector<TextureReport> textures;
   std::vector<CookStage> stages;
   std::vector<std::string> warnings;
 };

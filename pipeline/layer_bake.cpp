@@ -7,6 +7,7 @@
 #include "pipeline/bake/coefficients.h"
 #include "pipeline/bake/image_directions.h"
 #include "pipeline/error.h"
+#include "pipeline/maps/authored.h"
 #include "pipeline/scene/posing.h"
 #include "pipeline/scene/rest.h"
 
@@ -18,6 +19,22 @@ constexpr float kFadeBegin = 0.03f,
 constexpr int kMaskBlurs = 4;
 constexpr float kUnsure = 0.25f;  // confidence below it counts as low
 
+void blur(const Surface& surface, int times, std::vector<float>& values) {
+  for (int i = 0; i < times; ++i) {
+    std::vector<float> sum(values.size(), 0.0f), count(values.size(), 0.0f);
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+      const glm::uvec3 p = surface.trianglePoints(t);
+      const float mean = (values[p.x] + values[p.y] + values[p.z]) / 3.0f;
+      for (int c = 0; c < 3; ++c) {
+        sum[p[c]] += mean;
+        count[p[c]] += 1.0f;
+      }
+    }
+    for (size_t p = 0; p < values.size(); ++p)
+      if (count[p] > 0.0f) values[p] = sum[p] / count[p];
+  }
+}
+
 class LayerBake {
  public:
   LayerBake(const LayerInput& input, const LayerRecipe& recipe) : in_(input), recipe_(recipe) {}
@@ -25,7 +42,7 @@ class LayerBake {
   BakedLayer bake(std::vector<std::filesystem::path>& dependencies) {
     cover();
     direct(dependencies);
-    mask(dependencies);
+    mask();
     weighConfidence();
     bias();
     out_.coefficients = makeCoefficients(in_.surface, recipe_.measure, out_.field.direction, out_.covered);
@@ -148,20 +165,21 @@ class LayerBake {
     if (const auto* height = std::get_if<MapHeight>(&recipe_.compress))
       return directionsFromImage(height->texture, ImageKind::kHeight, files);
     if (const auto* normal = std::get_if<MapNormal>(&recipe_.compress))
-      return directionsFromImage(normal->texture, ImageKind::kNormal, files);
+      return directionsFromImage(normal->texture, ImageKind::kSlopes, files, normal->green);
     fail("its direction is that of its map, but \"compress\" names no image",
          "give \"compress\" a \"normal\" or \"height\", or choose another direction");
   }
 
-  DirectionField directionsFromImage(const std::filesystem::path& file, ImageKind kind, Files& files) const {
+  DirectionField directionsFromImage(const std::filesystem::path& file, ImageKind kind, Files& files,
+                                     Green green = Green::kOpenGl) const {
     bool has_uvs = false;
     for (size_t i = 0; i < covered_part_.size(); ++i)
       has_uvs |= covered_part_[i] && in_.surface.parts[i].has_uvs;
     if (!has_uvs)
       fail("its direction is read from an image, but its meshes have no UVs",
            "unwrap them or choose another direction");
-    const Image image = readImage(file);
     files.push_back(file);
+    const Image image = kind == ImageKind::kSlopes ? readNormals(file, green) : readImage(file);
     if (image.channels < leastChannels(kind))
       throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels",
                   "use an image with " + std::to_string(leastChannels(kind)) +
@@ -198,15 +216,11 @@ class LayerBake {
     requireNames({name}, known, "mesh or node of lines");
   }
 
-  void mask(std::vector<std::filesystem::path>& dependencies) {
+  void mask() {
     std::vector<float>& strength = out_.field.strength;
     if (const auto* texture = std::get_if<MaskTexture>(&recipe_.mask)) {
-      const Image image = readImage(texture->texture);
-      dependencies.push_back(texture->texture);
-      if (texture->channel >= image.channels)
-        throw Error(Exit::kBadData, texture->texture.string(),
-                    "it has " + std::to_string(image.channels) + " channels",
-                    "choose another channel for the mask of layer \"" + recipe_.name + "\"");
+      const ByteImage& image = in_.masks.at(texture->texture);
+      checkMask(texture->texture, image, texture->channel, recipe_.name);
       std::vector<float> values;
       for (const glm::vec2& uv : in_.surface.uvs) values.push_back(sample(image, uv, texture->channel));
       strength = pointMean(values);
@@ -221,8 +235,11 @@ class LayerBake {
     } else {
       strength = squeezeMask();
     }
-    bool empty = true;
+    bool empty = true, constant = true;
+    float first = -1.0f;
     for (size_t p = 0; p < points(); ++p) {
+      if (covered_point_[p] && first < 0.0f) first = strength[p];
+      constant &= !covered_point_[p] || std::abs(strength[p] - first) < 0.5f / 255.0f;
       if (!covered_point_[p]) strength[p] = 0.0f;
       if (out_.field.direction[p] == glm::vec3(0.0f)) strength[p] = 0.0f;
       empty &= strength[p] < 1.0f / 255.0f;
@@ -231,9 +248,12 @@ class LayerBake {
                        std::holds_alternative<MaskAttribute>(recipe_.mask);
     if (empty && named)
       fail("its mask is empty (black everywhere on its meshes)", "paint the mask or choose another channel");
+    if (constant && std::holds_alternative<MaskAttribute>(recipe_.mask))
+      fail("its mask is constant (one value everywhere on its meshes)",
+           "choose another channel, or say \"mask\": \"none\" for the whole surface");
   }
 
-  static float sample(const Image& image, glm::vec2 uv, uint32_t channel) {
+  static float sample(const ByteImage& image, glm::vec2 uv, uint32_t channel) {
     const auto wrap = [](float t, uint32_t size) {
       const auto i = static_cast<int64_t>(std::floor(t)) % static_cast<int64_t>(size);
       return static_cast<uint32_t>(i < 0 ? i + size : i);
@@ -242,35 +262,20 @@ class LayerBake {
                 y = uv.y * static_cast<float>(image.height) - 0.5f;
     const float fx = x - std::floor(x), fy = y - std::floor(y);
     const auto at = [&](float dx, float dy) {
-      return image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[channel];
+      return static_cast<float>(image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[channel]) /
+             255.0f;
     };
     return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) + (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
   }
 
   std::vector<float> squeezeMask() const {
-    std::vector<float> peak(points(), 0.0f);
-    for (size_t t = 0; t < in_.surface.triangles.size(); ++t) {
-      const glm::uvec3 p = in_.surface.trianglePoints(t);
-      for (int c = 0; c < 3; ++c) peak[p[c]] = std::max(peak[p[c]], in_.squeeze.peak[t]);
-    }
-    for (float& s : peak) {
+    std::vector<float> mask = pointPeaks(in_.surface, in_.squeeze);
+    for (float& s : mask) {
       const float x = std::clamp((s - kFadeBegin) / (kFadeEnd - kFadeBegin), 0.0f, 1.0f);
       s = x * x * (3.0f - 2.0f * x);
     }
-    for (int i = 0; i < kMaskBlurs; ++i) {
-      std::vector<float> sum(points(), 0.0f), count(points(), 0.0f);
-      for (size_t t = 0; t < in_.surface.triangles.size(); ++t) {
-        const glm::uvec3 p = in_.surface.trianglePoints(t);
-        const float mean = (peak[p.x] + peak[p.y] + peak[p.z]) / 3.0f;
-        for (int c = 0; c < 3; ++c) {
-          sum[p[c]] += mean;
-          count[p[c]] += 1.0f;
-        }
-      }
-      for (size_t p = 0; p < points(); ++p)
-        if (count[p] > 0.0f) peak[p] = sum[p] / count[p];
-    }
-    return peak;
+    blur(in_.surface, kMaskBlurs, mask);
+    return mask;
   }
 
   void weighConfidence() {
@@ -314,6 +319,15 @@ class LayerBake {
 BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
                      std::vector<std::filesystem::path>& dependencies) {
   return LayerBake(input, recipe).bake(dependencies);
+}
+
+std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze) {
+  std::vector<float> peaks(surface.point_positions.size(), 0.0f);
+  for (size_t t = 0; t < squeeze.peak.size(); ++t) {
+    const glm::uvec3 p = surface.trianglePoints(t);
+    for (int c = 0; c < 3; ++c) peaks[p[c]] = std::max(peaks[p[c]], squeeze.peak[t]);
+  }
+  return peaks;
 }
 
 }  // namespace furrow::pipeline

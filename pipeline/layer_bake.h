@@ -7,6 +7,7 @@
 
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/surface.h"
+#include "pipeline/maps/masks.h"
 #include "pipeline/recipe.h"
 #include "pipeline/scene/source_scene.h"
 
@@ -25,12 +26,17 @@ struct LayerInput {
   const Surface& surface;
   const std::vector<uint32_t>& source_vertex;
   const Squeeze& squeeze;
+  const MaskImages& masks;  // of all layers that name one
   std::string recipe_file;  // for messages
 };
 
-// Throws Error (kBadData): a mesh, material, attribute or lines that the scene lacks, a mask that is empty,
-// guide curves off the surface, an image that cannot be used. `dependencies` gains the images read.
+// Throws Error (kBadData): a mesh, material, attribute or lines that the scene lacks, a mask that is none
+// (checkMask()) or is empty or constant on the layer's meshes, guide curves off the surface, an image of
+// directions that cannot be used. `dependencies` gains the images of directions.
 BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
                      std::vector<std::filesystem::path>& dependencies);
+
+// Per point, the largest squeeze of its triangles; 0 where none was measured.
+std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze);
 
 }  // namespace furrow::pipeline

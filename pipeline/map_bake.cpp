@@ -1,7 +1,7 @@
 #include "pipeline/map_bake.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -10,6 +10,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/legible.h"
+#include "pipeline/maps/authored.h"
 #include "pipeline/maps/synthesis.h"
 #include "pipeline/maps/texel_map.h"
 
@@ -18,16 +19,47 @@ namespace {
 
 constexpr double kTexelsASpacing = 12.0;
 constexpr uint32_t kOverlapSize = 256;
-constexpr uint32_t kLeastSize = 64, kMostSize = 2048, kMostMaskSize = 512;
+constexpr uint32_t kSizeStep = 64, kMostSize = 2048, kDerivedMaskSize = 512;
+constexpr uint32_t kWindowMargin =
+    2;  // mask texels; bilinear filtering reads one further than the mask reaches
+constexpr double kNearlyWhole = 0.9;      // of a period: not worth a window
 constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
-constexpr double kSkinDepth = 0.16, kClothDepth = 0.24;  // of the spacing
+constexpr float kFaintest = 0.45f;        // depth of a synthesised map where the clips squeeze least
 
-struct Maps {
-  Image normal, shading;
+struct PresetDefaults {
+  double spacing, depth;  // of the default spacing; of the spacing
 };
 
-Image flat(uint32_t size, uint32_t channels) {
-  return {size, size, channels, std::vector<float>(size_t{size} * size * channels, 0.0f)};
+PresetDefaults defaultsOf(Preset preset) {
+  switch (preset) {
+    case Preset::kSkin:
+      return {1.0, 0.16};
+    case Preset::kSkinFine:
+      return {0.4, 0.1};
+    case Preset::kCloth:
+      return {1.0, 0.24};
+    case Preset::kClothPuckers:
+      return {0.6, 0.22};
+  }
+  return {};
+}
+
+// Texels used along one axis, which repeats: the complement of the longest gap.
+struct Run {
+  uint32_t begin = 0, count = 0;
+};
+
+Run usedRun(const std::vector<bool>& used) {
+  const auto size = static_cast<uint32_t>(used.size());
+  Run gap;
+  uint32_t length = 0;
+  for (uint32_t i = 0; i < 2 * size; ++i) {
+    length = used[i % size] ? 0 : std::min(length + 1, size);
+    if (length > gap.count) gap = {i + 1 - length, length};
+  }
+  const uint32_t count = size - gap.count + 2 * kWindowMargin;
+  if (count >= kNearlyWhole * size) return {0, size};
+  return {(gap.begin + gap.count + size - kWindowMargin) % size, count};
 }
 
 class MapBake {
@@ -46,6 +78,7 @@ class MapBake {
       set.parts.push_back(p);
       if (material < in_.scene.materials.size()) set.name = in_.scene.materials[material].name;
     }
+    peaks_ = pointPeaks(in_.surface, in_.squeeze);
     for (size_t l = 0; l < layers_.size(); ++l) {
       compress_.push_back(prepare(recipe_.layers[l].compress, layers_[l]));
       stretch_.push_back(prepare(recipe_.layers[l].stretch, layers_[l]));
@@ -60,7 +93,7 @@ class MapBake {
   // Adds a set to the first one that draws at about the same scale into other texels, or to the end.
   void join(std::vector<BakedTextureSet>& sets, BakedTextureSet set) {
     std::vector<bool> texels(size_t{kOverlapSize} * kOverlapSize);
-    const TexelMap map = mapTexels(in_.surface, set.parts, kOverlapSize, 0);
+    const TexelMap map = mapTexels(in_.surface, set.parts, {kOverlapSize, kOverlapSize}, 0);
     for (size_t i = 0; i < texels.size(); ++i) texels[i] = map.triangle[i] != kNoIndex;
     const double length = lengthOfUv(set);
     for (size_t s = 0; s < sets.size(); ++s) {
@@ -92,11 +125,28 @@ class MapBake {
     source.settings->spacing = wanted->spacing;
     source.settings->depth = wanted->depth;
     source.settings->seed = wanted->seed;
-    // The mask fades the layer when it is drawn; the map itself is at full depth wherever the mask reaches.
     source.field = std::make_shared<LayerField>(layer.field);
-    for (float& strength : source.field->strength) strength = strength > 0.0f ? 1.0f : 0.0f;
+    deepen(source.field->strength);
     source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, *source.settings);
     return source;
+  }
+
+  // From a mask to the depth of the map: full where the clips squeeze the layer most, less where they squeeze
+  // it less, the same everywhere if they do not squeeze it. The mask fades the layer when it is drawn.
+  void deepen(std::vector<float>& strength) const {
+    std::vector<float> peaks;
+    for (size_t p = 0; p < strength.size(); ++p)
+      if (strength[p] >= 0.1f && peaks_[p] > 0.0f) peaks.push_back(peaks_[p]);
+    float most = 0.0f;
+    if (!peaks.empty()) {
+      const auto at = peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() * 3 / 4);
+      std::nth_element(peaks.begin(), at, peaks.end());
+      most = *at;
+    }
+    for (size_t p = 0; p < strength.size(); ++p) {
+      const float share = most > 0.0f ? std::min(peaks_[p] / most, 1.0f) : 1.0f;
+      strength[p] = strength[p] > 0.0f ? kFaintest + (1.0f - kFaintest) * share : 0.0f;
+    }
   }
 
   // Whether the layer shows on a triangle of the set; a point that it merely shares with a neighbour's part
@@ -129,128 +179,186 @@ class MapBake {
     return uv_area > 0.0 ? std::sqrt(area / uv_area) : 0.0;
   }
 
-  uint32_t mapSize(const BakedTextureSet& set) const {
-    const double length = lengthOfUv(set);
-    double texels = kLeastSize;
-    for (const auto* sources : {&compress_, &stretch_})
-      for (size_t l = 0; l < sources->size(); ++l)
-        if ((*sources)[l].settings && reaches(layers_[l], set))
-          texels = std::max(texels, kTexelsASpacing * length / (*sources)[l].settings->spacing);
-    for (const LayerRecipe& layer : recipe_.layers)
-      for (const Map* map : {&layer.compress, &layer.stretch})
-        if (std::holds_alternative<MapNormal>(*map) || std::holds_alternative<MapHeight>(*map))
-          texels = std::max(texels, 1024.0);
-    const uint32_t most = recipe_.map_size ? std::bit_floor(recipe_.map_size) : kMostSize;
-    return std::min(most, std::bit_ceil(static_cast<uint32_t>(std::min(texels, 16384.0))));
+  const ByteImage* maskImage(size_t layer) const {
+    const auto* texture = std::get_if<MaskTexture>(&recipe_.layers[layer].mask);
+    return texture ? &in_.masks.at(texture->texture) : nullptr;
   }
 
-  Image read(const std::filesystem::path& file, uint32_t least_channels) {
-    dependencies_.push_back(file);
-    Image image = readImage(file);
-    if (image.channels < least_channels)
-      throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels",
-                  "use an image with " + std::to_string(least_channels));
-    return image;
-  }
+  uint32_t mostTexels() const { return recipe_.map_size ? recipe_.map_size : kMostSize; }
 
-  // An authored normal map: renormalised, x and y kept.
-  Image normalsOf(const std::filesystem::path& file, uint32_t size) {
-    const Image source = resize(read(file, 3), size, size);
-    Image out = flat(size, 2);
-    for (size_t i = 0; i < size_t{size} * size; ++i) {
-      const glm::vec3 n =
-          glm::vec3(source.pixels[i * source.channels], source.pixels[i * source.channels + 1],
-                    source.pixels[i * source.channels + 2]) *
-              2.0f -
-          1.0f;
-      const float length = glm::length(n);
-      if (!(length > 0.1f)) continue;
-      out.pixels[2 * i] = n.x / length;
-      out.pixels[2 * i + 1] = n.y / length;
+  // The masks of all layers, as large as the largest image among them, and where on the surface they lie.
+  struct Masks {
+    std::vector<ByteImage> slices;  // four layers each
+    TexelMap texels;
+    Coverage coverage;
+  };
+
+  Masks drawMasks(const BakedTextureSet& set) const {
+    TexelGrid grid;
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      const ByteImage* image = maskImage(l);
+      grid.width = std::max(grid.width, image ? image->width : kDerivedMaskSize);
+      grid.height = std::max(grid.height, image ? image->height : kDerivedMaskSize);
     }
-    return out;
+    grid.width = std::min(grid.width, mostTexels());
+    grid.height = std::min(grid.height, mostTexels());
+    Masks masks;
+    masks.texels = mapTexels(in_.surface, set.parts, grid, 2);
+    masks.coverage = coverageOf(masks.texels);
+    std::array<ByteImage, 4> drawn;
+    for (size_t first = 0; first < layers_.size(); first += 4) {
+      std::array<MaskChannel, 4> channels;
+      for (size_t c = 0; c < 4 && first + c < layers_.size(); ++c) {
+        if (const ByteImage* image = maskImage(first + c)) {
+          channels[c] = {image, std::get<MaskTexture>(recipe_.layers[first + c].mask).channel};
+        } else {
+          drawn[c] = drawMask(masks.texels, layers_[first + c].field.strength);
+          channels[c] = {&drawn[c], 0};
+        }
+      }
+      masks.slices.push_back(packMasks(channels, grid.width, grid.height, threads_));
+    }
+    return masks;
   }
 
-  // Slopes of an authored height map, x along +u and y along -v, which is up in the image.
-  Maps mapsFromHeight(const std::filesystem::path& file, uint32_t size, double depth, double length_of_uv) {
-    const Image source = resize(read(file, 1), size, size);
-    Maps maps{flat(size, 2), flat(size, 1)};
-    const double texel = length_of_uv / size;
-    const auto height = [&](uint32_t x, uint32_t y) {
-      return double{source.at(x % size, y % size)[0]} * depth;
-    };
-    for (uint32_t y = 0; y < size; ++y)
-      for (uint32_t x = 0; x < size; ++x) {
-        const double dx = texel > 0.0 ? (height(x + 1, y) - height(x + size - 1, y)) / (2.0 * texel) : 0.0;
-        const double dy = texel > 0.0 ? (height(x, y + size - 1) - height(x, y + 1)) / (2.0 * texel) : 0.0;
-        const double length = std::sqrt(dx * dx + dy * dy + 1.0);
-        maps.normal.at(x, y)[0] = static_cast<float>(-dx / length);
-        maps.normal.at(x, y)[1] = static_cast<float>(-dy / length);
-        maps.shading.at(x, y)[0] = 0.5f * (1.0f - std::clamp(source.at(x, y)[0], 0.0f, 1.0f));
+  ByteImage drawMask(const TexelMap& texels, const std::vector<float>& strength) const {
+    Image mask{texels.grid.width, texels.grid.height, 1, std::vector<float>(texels.triangle.size(), 0.0f)};
+    for (size_t i = 0; i < texels.triangle.size(); ++i) {
+      if (texels.triangle[i] == kNoIndex) continue;
+      const glm::uvec3 p = in_.surface.trianglePoints(texels.triangle[i]);
+      const glm::vec2 b = texels.barycentric[i];
+      mask.pixels[i] = strength[p.x] * (1.0f - b.x - b.y) + strength[p.y] * b.x + strength[p.z] * b.y;
+    }
+    return toBytes(mask);
+  }
+
+  static Coverage coverageOf(const TexelMap& texels) {
+    Coverage coverage(texels.triangle.size());
+    for (size_t i = 0; i < coverage.size(); ++i) coverage[i] = texels.triangle[i] != kNoIndex;
+    return coverage;
+  }
+
+  // The part of UV space in which a layer's mask lets it be seen.
+  TexelGrid windowOf(const Masks& masks, size_t layer) const {
+    const ByteImage& slice = masks.slices[layer / 4];
+    std::vector<bool> columns(slice.width), rows(slice.height);
+    for (uint32_t y = 0; y < slice.height; ++y)
+      for (uint32_t x = 0; x < slice.width; ++x) {
+        const uint32_t triangle = masks.texels.triangle[size_t{y} * slice.width + x];
+        if (triangle == kNoIndex || !layers_[layer].covered[triangle] || slice.at(x, y)[layer % 4] == 0)
+          continue;
+        columns[x] = rows[y] = true;
       }
+    const Run across = usedRun(columns), down = usedRun(rows);
+    return {
+        0,
+        0,
+        {across.begin / static_cast<double>(slice.width), down.begin / static_cast<double>(slice.height)},
+        {across.count / static_cast<double>(slice.width), down.count / static_cast<double>(slice.height)}};
+  }
+
+  // One slice to be drawn.
+  struct Pose {
+    size_t layer = 0;
+    const Map* map = nullptr;
+    const MapFinish* finish = nullptr;
+    const Source* source = nullptr;
+    TexelGrid grid;
+    Image image;             // authored slopes or heights
+    glm::dvec2 wanted{0.0};  // texels of the window
+  };
+
+  Image read(const std::filesystem::path& file) {
+    dependencies_.push_back(file);
+    return readImage(file);
+  }
+
+  Pose pose(size_t layer, bool stretch, const TexelGrid& window, double length_of_uv) {
+    const LayerRecipe& recipe = recipe_.layers[layer];
+    Pose pose{layer,
+              stretch ? &recipe.stretch : &recipe.compress,
+              stretch ? &recipe.stretch_finish : &recipe.compress_finish,
+              stretch ? &stretch_[layer] : &compress_[layer],
+              window,
+              {},
+              {}};
+    if (const auto* normal = std::get_if<MapNormal>(pose.map)) {
+      dependencies_.push_back(normal->texture);
+      pose.image = readNormals(normal->texture, normal->green);
+    } else if (const auto* height = std::get_if<MapHeight>(pose.map)) {
+      pose.image = read(height->texture);
+    } else if (pose.source->synthesis) {
+      pose.wanted = window.extent * (kTexelsASpacing * length_of_uv / pose.source->settings->spacing);
+    }
+    if (pose.image.width > 0) pose.wanted = window.extent * glm::dvec2(pose.image.width, pose.image.height);
+    return pose;
+  }
+
+  WrinkleMaps draw(const Pose& pose, const TexelMap& texels) {
+    WrinkleMaps maps;
+    if (std::holds_alternative<MapNormal>(*pose.map)) {
+      maps = mapsFromSlopes(pose.image, texels.grid);
+    } else if (const auto* height = std::get_if<MapHeight>(pose.map)) {
+      maps = mapsFromHeights(pose.image, in_.surface, texels, height->depth);
+    } else {
+      SynthesizedMaps drawn = pose.source->synthesis->draw(texels, threads_);
+      maps = {std::move(drawn.normal), std::move(drawn.shading)};
+    }
+    if (pose.finish->limit < 1.0) limitNormals(maps.normal, static_cast<float>(pose.finish->limit));
+    if (pose.finish->light) maps.shading = litShading(maps.normal, in_.surface, texels, *pose.finish->light);
+    if (pose.finish->shading) {
+      const Image image = resize(read(*pose.finish->shading), texels.grid.width, texels.grid.height,
+                                 texels.grid.low, texels.grid.extent);
+      for (size_t i = 0; i < maps.shading.pixels.size(); ++i)
+        maps.shading.pixels[i] = image.pixels[i * image.channels];
+    }
     return maps;
   }
 
   void bakeSet(BakedTextureSet& set) {
     set.compress_slice.assign(layers_.size(), kAbsent);
     set.stretch_slice.assign(layers_.size(), kAbsent);
-    const uint32_t size = mapSize(set);
-    std::vector<Image> normals, shading;
+    const Masks masks = drawMasks(set);
+    const double length_of_uv = lengthOfUv(set);
+    std::vector<Pose> poses;
+    glm::dvec2 wanted(kSizeStep);
     for (size_t l = 0; l < layers_.size(); ++l) {
       if (!reaches(layers_[l], set)) continue;
-      const LayerRecipe& layer = recipe_.layers[l];
-      const auto add = [&](const Map& map, const Source& source,
-                           const std::optional<std::filesystem::path>& authored_shading, uint32_t& slice) {
-        Maps maps;
-        if (const auto* normal = std::get_if<MapNormal>(&map)) {
-          maps = {normalsOf(normal->texture, size), flat(size, 1)};
-        } else if (const auto* height = std::get_if<MapHeight>(&map)) {
-          maps = mapsFromHeight(height->texture, size, height->depth, lengthOfUv(set));
-        } else if (source.synthesis) {
-          SynthesizedMaps drawn = source.synthesis->draw(set.parts, size, threads_);
-          maps = {std::move(drawn.normal), std::move(drawn.shading)};
-        } else {
-          return;
-        }
-        if (authored_shading) {
-          const Image image = resize(read(*authored_shading, 1), size, size);
-          for (size_t i = 0; i < size_t{size} * size; ++i)
-            maps.shading.pixels[i] = image.pixels[i * image.channels];
-        }
-        slice = static_cast<uint32_t>(normals.size());
-        normals.push_back(std::move(maps.normal));
-        shading.push_back(std::move(maps.shading));
-      };
-      add(layer.compress, compress_[l], layer.compress_shading, set.compress_slice[l]);
-      add(layer.stretch, stretch_[l], layer.stretch_shading, set.stretch_slice[l]);
+      const TexelGrid window = windowOf(masks, l);
+      for (const bool stretch : {false, true}) {
+        Pose next = pose(l, stretch, window, length_of_uv);
+        if (next.wanted == glm::dvec2(0.0)) continue;
+        (stretch ? set.stretch_slice : set.compress_slice)[l] = static_cast<uint32_t>(poses.size());
+        wanted = glm::max(wanted, next.wanted);
+        poses.push_back(std::move(next));
+      }
     }
-    set.normals = encode(TextureFormat::kBc5, normals);
-    set.shading = encode(TextureFormat::kBc4, shading);
-    if (!normals.empty()) bakeMasks(set, std::min(size, kMostMaskSize));
-  }
+    if (poses.empty()) return;
 
-  void bakeMasks(BakedTextureSet& set, uint32_t size) {
-    const TexelMap texels = mapTexels(in_.surface, set.parts, size, size / 64 + 2);
-    std::vector<Image> slices((layers_.size() + 3) / 4, flat(size, 4));
-    for (size_t l = 0; l < layers_.size(); ++l) {
-      Image& slice = slices[l / 4];
-      const size_t channel = l % 4;
-      if (const auto* texture = std::get_if<MaskTexture>(&recipe_.layers[l].mask)) {
-        const Image image = resize(readImage(texture->texture), size, size);
-        for (size_t i = 0; i < size_t{size} * size; ++i)
-          slice.pixels[4 * i + channel] = image.pixels[i * image.channels + texture->channel];
-        continue;
-      }
-      for (size_t i = 0; i < size_t{size} * size; ++i) {
-        if (texels.triangle[i] == kNoIndex) continue;
-        const glm::uvec3 p = in_.surface.trianglePoints(texels.triangle[i]);
-        const glm::vec2 b = texels.barycentric[i];
-        const std::vector<float>& strength = layers_[l].field.strength;
-        slice.pixels[4 * i + channel] = std::clamp(
-            strength[p.x] * (1.0f - b.x - b.y) + strength[p.y] * b.x + strength[p.z] * b.y, 0.0f, 1.0f);
-      }
+    const auto side = [&](double texels) {
+      const auto steps = static_cast<uint32_t>(std::ceil(std::min(texels, 16384.0) / kSizeStep));
+      return std::max(std::min(steps * kSizeStep, mostTexels() / 4 * 4), 4u);
+    };
+    std::vector<Image> normals, shading;
+    std::vector<Coverage> coverage;
+    TexelMap texels;
+    for (Pose& pose : poses) {
+      pose.grid.width = side(wanted.x);
+      pose.grid.height = side(wanted.y);
+      if (normals.empty() || texels.grid.low != pose.grid.low || texels.grid.extent != pose.grid.extent)
+        texels = mapTexels(in_.surface, set.parts, pose.grid,
+                           std::max({4u, pose.grid.width / 128, pose.grid.height / 128}));
+      WrinkleMaps maps = draw(pose, texels);
+      pose.image = {};
+      normals.push_back(std::move(maps.normal));
+      shading.push_back(std::move(maps.shading));
+      coverage.push_back(coverageOf(texels));
+      set.windows.push_back(glm::vec4(pose.grid.low, 1.0 / pose.grid.extent));
     }
-    set.masks = encode(TextureFormat::kRgba8, slices);
+    set.normals = encode(TextureFormat::kBc5, normals, coverage, threads_);
+    set.shading = encode(TextureFormat::kBc4, shading, coverage, threads_);
+    set.masks =
+        encodeBytes(masks.slices, std::vector<Coverage>(masks.slices.size(), masks.coverage), threads_);
   }
 
   const LayerInput& in_;
@@ -259,6 +367,7 @@ class MapBake {
   uint32_t threads_;
   std::vector<std::filesystem::path>& dependencies_;
   std::vector<Source> compress_, stretch_;
+  std::vector<float> peaks_;              // a point
   std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
 };
 
@@ -279,16 +388,14 @@ void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& 
   const double spacing = legible(reachOf(input.surface, layer) / kSpacingsAcross);
   if (!(spacing > 0.0)) return;
   const Preset preset = input.squeeze.by_morphs > 0.0 ? Preset::kSkin : Preset::kCloth;
-  const auto depth = [](Preset p, double s) {
-    return legible(s * (p == Preset::kSkin ? kSkinDepth : kClothDepth));
-  };
   for (Map* map : {&recipe.compress, &recipe.stretch}) {
     if (auto* height = std::get_if<MapHeight>(map); height && height->depth == 0.0)
-      height->depth = depth(preset, spacing);
+      height->depth = legible(spacing * defaultsOf(preset).depth);
     if (auto* wanted = std::get_if<MapSynthesized>(map)) {
       if (!wanted->preset) wanted->preset = preset;
-      if (wanted->spacing == 0.0) wanted->spacing = spacing;
-      if (wanted->depth == 0.0) wanted->depth = depth(*wanted->preset, wanted->spacing);
+      const PresetDefaults defaults = defaultsOf(*wanted->preset);
+      if (wanted->spacing == 0.0) wanted->spacing = legible(spacing * defaults.spacing);
+      if (wanted->depth == 0.0) wanted->depth = legible(wanted->spacing * defaults.depth);
     }
   }
 }

@@ -13,6 +13,7 @@ struct BakedTextureSet {
   std::vector<uint32_t> parts;  // of the surface
   EncodedTexture normals, shading, masks;
   std::vector<uint32_t> compress_slice, stretch_slice;  // a layer, kAbsent: none
+  std::vector<glm::vec4> windows;                       // a slice, as TextureSet::windows
 };
 
 // Fills in what the recipe of a baked layer leaves open about its maps: presets, spacings, depths. All stay

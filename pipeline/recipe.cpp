@@ -139,13 +139,16 @@ class Reader {
       return DirectionGuides{guides.get<std::vector<std::vector<std::array<double, 3>>>>(), {}};
     }
     if (j.contains("attribute")) return DirectionAttribute{j["attribute"].get<std::string>()};
-    auto axis = j["axis"].get<std::array<double, 3>>();
-    double length = std::hypot(axis[0], axis[1], axis[2]);
+    return DirectionAxis{unit(j["axis"], at + ".axis", "give the direction across the creases")};
+  }
+
+  std::array<double, 3> unit(const json& j, const std::string& at, const char* remedy) const {
+    auto vector = j.get<std::array<double, 3>>();
+    double length = std::hypot(vector[0], vector[1], vector[2]);
     if (length < 1e-12)
-      throw Error(Exit::kBadData, file_.string(), at + ".axis: is the zero vector, which points nowhere",
-                  "give the direction across the creases");
-    for (double& component : axis) component /= length;
-    return DirectionAxis{axis};
+      throw Error(Exit::kBadData, file_.string(), at + ": is the zero vector, which points nowhere", remedy);
+    for (double& component : vector) component /= length;
+    return vector;
   }
 
   static Measure measure(const std::string& word) {
@@ -187,20 +190,37 @@ class Reader {
 
   Map map(const json& j) const {
     if (j.is_string()) return MapNone{};
-    if (j.contains("normal")) return MapNormal{path(j["normal"])};
+    if (j.contains("normal"))
+      return MapNormal{path(j["normal"]),
+                       j.value("green", "opengl") == "directx" ? Green::kDirectX : Green::kOpenGl};
     if (j.contains("height")) return MapHeight{path(j["height"]), j.value("depth", 0.0)};
     const json& s = j["synthesize"];
     MapSynthesized map;
-    if (s.contains("preset")) map.preset = s["preset"] == "skin" ? Preset::kSkin : Preset::kCloth;
+    if (s.contains("preset")) map.preset = preset(s["preset"].get<std::string>());
     map.spacing = s.value("spacing", 0.0);
     map.depth = s.value("depth", 0.0);
     map.seed = s.value("seed", map.seed);
     return map;
   }
 
-  std::optional<std::filesystem::path> shading(const json& map) const {
-    if (!map.is_object() || !map.contains("shading")) return std::nullopt;
-    return path(map["shading"]);
+  static Preset preset(const std::string& word) {
+    return word == "skin"        ? Preset::kSkin
+           : word == "skin_fine" ? Preset::kSkinFine
+           : word == "cloth"     ? Preset::kCloth
+                                 : Preset::kClothPuckers;
+  }
+
+  MapFinish finish(const json& map, const std::string& at) const {
+    MapFinish finish;
+    if (!map.is_object()) return finish;
+    if (map.contains("shading") && map.contains("light"))
+      throw Error(Exit::kBadData, file_.string(), at + ": has both \"shading\" and \"light\"",
+                  "give one of them");
+    if (map.contains("shading")) finish.shading = path(map["shading"]);
+    if (map.contains("light"))
+      finish.light = unit(map["light"], at + ".light", "give the direction towards the light");
+    finish.limit = map.value("limit", 1.0);
+    return finish;
   }
 
   LayerRecipe layer(const json& j, const std::string& at) const {
@@ -219,11 +239,11 @@ class Reader {
     }
     if (j.contains("compress")) {
       layer.compress = map(j["compress"]);
-      layer.compress_shading = shading(j["compress"]);
+      layer.compress_finish = finish(j["compress"], at + ".compress");
     }
     if (j.contains("stretch")) {
       layer.stretch = map(j["stretch"]);
-      layer.stretch_shading = shading(j["stretch"]);
+      layer.stretch_finish = finish(j["stretch"], at + ".stretch");
     }
     for (const json& driver : j.value("drivers", json::array()))
       layer.drivers.push_back({driver["morph"].get<std::string>(), driver.value("gain", 1.0)});

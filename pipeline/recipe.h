@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "furrow/asset.h"
+#include "pipeline/maps/authored.h"
 #include "pipeline/maps/synthesis.h"
 
 namespace furrow::pipeline {
@@ -71,6 +72,7 @@ struct Bias {
 struct MapNone {};
 struct MapNormal {
   std::filesystem::path texture;
+  Green green = Green::kOpenGl;
 };
 struct MapHeight {
   std::filesystem::path texture;
@@ -83,6 +85,14 @@ struct MapSynthesized {
   uint32_t seed = 1;
 };
 using Map = std::variant<MapNone, MapNormal, MapHeight, MapSynthesized>;
+
+// What is done to a map wherever it comes from.
+struct MapFinish {
+  std::optional<std::filesystem::path> shading;  // authored alpha-shading map
+  std::optional<std::array<double, 3>>
+      light;           // or W as lit from there: root space, unit; else from the relief
+  double limit = 1.0;  // largest x^2 + y^2 of its normals, (0, 1]
+};
 
 struct DriverRecipe {
   std::string morph;
@@ -99,10 +109,8 @@ struct LayerRecipe {
   Mask mask = MaskAuto{};
   std::optional<Bias> bias;
   Map compress = MapSynthesized{};
-  std::optional<std::filesystem::path>
-      compress_shading;  // authored alpha-shading map; else derived from the height
   Map stretch = MapNone{};
-  std::optional<std::filesystem::path> stretch_shading;
+  MapFinish compress_finish, stretch_finish;
   std::vector<DriverRecipe> drivers;
 };
 

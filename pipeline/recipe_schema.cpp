@@ -126,23 +126,32 @@ Shape describeMask() {
 }
 
 Shape describeMap() {
-  Shape synthesis =
-      object({{"preset", word({"skin", "cloth"}),
-               "Narrow valleys or round folds; default: worked out from the rig."},
-              {"spacing", above(0, kLength),
-               "Ridge to ridge, in the scene's unit; default: worked out from the surface."},
-              {"depth", above(0, kLength),
-               "Valley to ridge, in the scene's unit; default: worked out from the spacing."},
-              {"seed", integer(0, 4294967295.0), "Another number gives another pattern; default 1."}});
+  Shape synthesis = object(
+      {{"preset", word({"skin", "skin_fine", "cloth", "cloth_puckers"}),
+        "Narrow valleys, fine lines, round folds or short bulges; default: skin or cloth, worked "
+        "out from the rig."},
+       {"spacing", above(0, kLength),
+        "Ridge to ridge, in the scene's unit; default: worked out from the surface."},
+       {"depth", above(0, kLength),
+        "Valley to ridge, in the scene's unit; default: worked out from the spacing."},
+       {"seed", integer(0, 4294967295.0), "Another number gives another pattern; default 1."}});
   return either(
       {word({"none"}),
-       forms({"normal", "height", "synthesize"},
-             {{"normal", file(), "A tangent-space normal map."},
-              {"height", file(), "A height map: white is high."},
-              {"depth", above(0, kLength), "From black to white, in the scene's unit; default: worked out.",
-               false, "height"},
-              {"synthesize", synthesis, "A map made from the direction field; {} takes every default."},
-              {"shading", file(), "An alpha-shading map; default: derived from the heights."}})});
+       forms(
+           {"normal", "height", "synthesize"},
+           {{"normal", file(), "A tangent-space normal map."},
+            {"green", word({"opengl", "directx"}),
+             "Whether its green channel points up or down in the image; default \"opengl\", up.", false,
+             "normal"},
+            {"height", file(), "A height map: white is high."},
+            {"depth", above(0, kLength), "From black to white, in the scene's unit; default: worked out.",
+             false, "height"},
+            {"synthesize", synthesis, "A map made from the direction field; {} takes every default."},
+            {"limit", above(0, 1), "Largest x^2 + y^2 of the map's normals; default 1: no limit."},
+            {"light", list(number(-kLength, kLength), 3, 3),
+             "Towards a light, in the scene root's space: the alpha-shading map shows the wrinkles lit from "
+             "there."},
+            {"shading", file(), "An alpha-shading map; default: derived from the wrinkles."}})});
 }
 
 Shape describeLayer() {

@@ -79,23 +79,31 @@ class Writer {
     return std::holds_alternative<MaskNone>(mask) ? "none" : "auto";
   }
 
-  json map(const Map& map, const std::optional<std::filesystem::path>& shading) const {
+  static const char* preset(Preset preset) {
+    constexpr const char* kNames[] = {"skin", "skin_fine", "cloth", "cloth_puckers"};
+    return kNames[static_cast<size_t>(preset)];
+  }
+
+  json map(const Map& map, const MapFinish& finish) const {
     json out;
     if (const auto* normal = std::get_if<MapNormal>(&map)) {
       out["normal"] = path(normal->texture);
+      if (normal->green == Green::kDirectX) out["green"] = "directx";
     } else if (const auto* height = std::get_if<MapHeight>(&map)) {
       out["height"] = path(height->texture);
       if (height->depth > 0.0) out["depth"] = height->depth;
     } else if (const auto* synthesized = std::get_if<MapSynthesized>(&map)) {
       json& s = out["synthesize"] = json::object();
-      if (synthesized->preset) s["preset"] = *synthesized->preset == Preset::kSkin ? "skin" : "cloth";
+      if (synthesized->preset) s["preset"] = preset(*synthesized->preset);
       if (synthesized->spacing > 0.0) s["spacing"] = synthesized->spacing;
       if (synthesized->depth > 0.0) s["depth"] = synthesized->depth;
       s["seed"] = synthesized->seed;
     } else {
       return "none";
     }
-    if (shading) out["shading"] = path(*shading);
+    if (finish.limit < 1.0) out["limit"] = finish.limit;
+    if (finish.light) out["light"] = *finish.light;
+    if (finish.shading) out["shading"] = path(*finish.shading);
     return out;
   }
 
@@ -111,8 +119,8 @@ class Writer {
       out["bias"] = {{"attribute", layer.bias->attribute},
                      {"channel", channel(layer.bias->channel)},
                      {"neutral", layer.bias->neutral}};
-    out["compress"] = map(layer.compress, layer.compress_shading);
-    out["stretch"] = map(layer.stretch, layer.stretch_shading);
+    out["compress"] = map(layer.compress, layer.compress_finish);
+    out["stretch"] = map(layer.stretch, layer.stretch_finish);
     for (const DriverRecipe& driver : layer.drivers)
       out["drivers"].push_back({{"morph", driver.morph}, {"gain", driver.gain}});
     return out;

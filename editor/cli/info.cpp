@@ -4,6 +4,7 @@
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"
 #include "furrow/frame_plan.h"
+#include "pipeline/maps/encode.h"
 
 namespace furrow::cli {
 namespace {
@@ -11,6 +12,16 @@ namespace {
 const char* measureName(Measure measure) {
   constexpr const char* kNames[] = {"directional", "area", "principal", "none"};
   return kNames[static_cast<size_t>(measure)];
+}
+
+nlohmann::json describe(const Texture& texture) {
+  return {{"format", pipeline::textureFormatName(texture.format)},
+          {"width", texture.width},
+          {"height", texture.height},
+          {"slices", texture.slices},
+          {"bytes", texture.data.size()},
+          {"rmsError", texture.rms_error},
+          {"largestError", texture.largest_error}};
 }
 
 nlohmann::json describe(const OpenedAsset& opened) {
@@ -32,10 +43,17 @@ nlohmann::json describe(const OpenedAsset& opened) {
   for (const TextureSet& set : a.texture_sets) {
     const size_t bytes = set.normals.data.size() + set.shading.data.size() + set.masks.data.size();
     texture_bytes += bytes;
+    json masks = json::array();
+    for (const Layer& layer : a.layers)
+      if (set.masks.slices > 0 && layer.mask_slice != kAbsent)
+        masks.push_back({{"layer", layer.name},
+                         {"slice", layer.mask_slice / 4},
+                         {"channel", std::string(1, "rgba"[layer.mask_slice % 4])}});
     sets.push_back({{"name", set.name},
-                    {"size", set.normals.width},
-                    {"maps", set.normals.slices},
-                    {"masks", set.masks.slices},
+                    {"normals", describe(set.normals)},
+                    {"shading", describe(set.shading)},
+                    {"masks", describe(set.masks)},
+                    {"maskChannels", masks},
                     {"bytes", bytes}});
   }
   for (const pipeline::Clip& clip : opened.rig.clips)
@@ -57,6 +75,7 @@ nlohmann::json describe(const OpenedAsset& opened) {
           {"influences", a.influences},
           {"paletteEntries", a.palette.size()},
           {"positionError", a.position_error},
+          {"morphError", a.morph_error},
           {"sections",
            {{"textures", texture_bytes},
             {"placeHash", a.place_hash.size()},
@@ -82,10 +101,10 @@ void print(const nlohmann::json& j) {
   std::printf("\n  GPU memory: %llu bytes an asset, %llu an instance\n", number("gpuBytesPerAsset"),
               number("gpuBytesPerInstance"));
   std::printf(
-      "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries, position error "
-      "%g\n",
+      "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries; error "
+      "of positions %g, of morph targets %g\n",
       number("vertices"), number("triangles"), number("points"), number("influences"),
-      number("paletteEntries"), j["positionError"].get<double>());
+      number("paletteEntries"), j["positionError"].get<double>(), j["morphError"].get<double>());
   for (const auto& p : j["parts"])
     std::printf("  part   %s / %s: %llu vertices, %llu triangles\n", p["mesh"].get<std::string>().c_str(),
                 p["material"].get<std::string>().c_str(), p["vertices"].get<unsigned long long>(),
@@ -93,11 +112,26 @@ void print(const nlohmann::json& j) {
   for (const auto& l : j["layers"])
     std::printf("  layer  %s: %s, lambda %g, beta %g\n", l["name"].get<std::string>().c_str(),
                 l["measure"].get<std::string>().c_str(), l["lambda"].get<double>(), l["beta"].get<double>());
-  for (const auto& s : j["textureSets"])
-    std::printf("  maps   %s: %llu of %llu texels, %llu masks, %llu bytes\n",
-                s["name"].get<std::string>().c_str(), s["maps"].get<unsigned long long>(),
-                s["size"].get<unsigned long long>(), s["masks"].get<unsigned long long>(),
+  for (const auto& s : j["textureSets"]) {
+    std::printf("  maps   %s: %llu bytes\n", s["name"].get<std::string>().c_str(),
                 s["bytes"].get<unsigned long long>());
+    for (const char* kind : {"normals", "shading", "masks"}) {
+      const auto& t = s[kind];
+      if (t["slices"] == 0) continue;
+      std::printf("    %-8s %s, %llu x %llu x %llu, %llu bytes", kind, t["format"].get<std::string>().c_str(),
+                  t["width"].get<unsigned long long>(), t["height"].get<unsigned long long>(),
+                  t["slices"].get<unsigned long long>(), t["bytes"].get<unsigned long long>());
+      if (t["format"] != "RGBA8")
+        std::printf(", error %.3g rms, %.3g at most%s", t["rmsError"].get<double>(),
+                    t["largestError"].get<double>(), t["format"] == "BC5" ? " (degrees)" : "");
+      for (const auto& m : s["maskChannels"])
+        if (kind == std::string("masks"))
+          std::printf("%s%llu.%s %s", m == s["maskChannels"][0] ? ": " : ", ",
+                      m["slice"].get<unsigned long long>(), m["channel"].get<std::string>().c_str(),
+                      m["layer"].get<std::string>().c_str());
+      std::printf("\n");
+    }
+  }
   for (const auto& c : j["clips"])
     std::printf("  clip   %s: %.3f s\n", c["name"].get<std::string>().c_str(), c["seconds"].get<double>());
   size_t index = 0;

@@ -308,6 +308,8 @@ void Renderer::State::makeMaterials() {
     if (part.texture_set != kAbsent) {
       const TextureSet& set = asset.texture_sets[part.texture_set];
       material.with_masks = set.masks.slices > 0;
+      static_assert(sizeof set.windows == sizeof material.windows);
+      std::memcpy(material.windows, set.windows, sizeof material.windows);
       for (uint32_t l = 0; l < asset.layerCount(); ++l)
         material.slices[l] = {set.compress_slice[l], set.stretch_slice[l],
                               material.with_masks ? asset.layers[l].mask_slice : kAbsent, 0};

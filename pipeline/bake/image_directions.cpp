@@ -22,10 +22,7 @@ uint32_t wrap(int64_t i, uint32_t size) {
 glm::dvec2 vectorAt(const Image& image, ImageKind kind, uint32_t x, uint32_t y) {
   const float* texel = image.at(x, y);
   if (kind == ImageKind::kFlow) return glm::dvec2(texel[0], texel[1]) * 2.0 - 1.0;
-  if (kind == ImageKind::kNormal) {
-    const glm::dvec3 n = glm::dvec3(texel[0], texel[1], texel[2]) * 2.0 - 1.0;
-    return glm::dvec2(n) / -std::max(n.z, 0.05);
-  }
+  if (kind == ImageKind::kSlopes) return {texel[0], texel[1]};
   // A central difference of fourth order: of second, it would turn the gradient of a fine relief.
   const auto height = [&](int64_t dx, int64_t dy) {
     return double{image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[0]};
@@ -38,7 +35,7 @@ glm::dvec2 vectorAt(const Image& image, ImageKind kind, uint32_t x, uint32_t y) 
 }  // namespace
 
 uint32_t leastChannels(ImageKind kind) {
-  return kind == ImageKind::kFlow ? 2 : kind == ImageKind::kHeight ? 1 : 3;
+  return kind == ImageKind::kHeight ? 1 : 2;
 }
 
 LineTensors tensorsOfImage(const Surface& surface, const std::vector<bool>& covered, const Image& image,
@@ -80,7 +77,7 @@ LineTensors tensorsOfImage(const Surface& surface, const std::vector<bool>& cove
       glm::dmat2 map(right, up);
       if (kind == ImageKind::kHeight) {
         map = glm::transpose(glm::inverse(map));
-      } else if (kind == ImageKind::kNormal) {
+      } else if (kind == ImageKind::kSlopes) {
         map[0] = glm::normalize(right);
         map[1] = glm::normalize(up - glm::dot(up, map[0]) * map[0]);
       }

@@ -13,7 +13,7 @@ enum class ImageKind {
   kFlow,  // d in red and green, 0.5 is zero: red towards +u (right in the image), green up in the image; its
           // sign does not matter, its length is how sure it is
   kHeight,  // red: d is across the ridges (structure tensor)
-  kNormal,  // a tangent-space normal map, green up: the same from its slopes
+  kSlopes,  // of a relief, as readNormals() gives them: the same
 };
 
 uint32_t leastChannels(ImageKind kind);

@@ -14,19 +14,25 @@ constexpr double kNoise = 0.01;  // a squeeze below one percent is not one
 
 class Meter {
  public:
-  Meter(const Surface& surface, Squeeze& squeeze) : surface_(surface), squeeze_(squeeze) {
+  Meter(const Surface& surface, Squeeze& squeeze) : squeeze_(squeeze), rest_(surface.triangles.size()) {
     squeeze.tensor.assign(surface.triangles.size(), glm::vec3(0.0f));
     squeeze.peak.assign(surface.triangles.size(), 0.0f);
+    for (size_t t = 0; t < rest_.size(); ++t) {
+      const glm::uvec3 corners = surface.triangles[t];
+      const TriangleFrame frame = triangleFrame(surface.positions[corners.x], surface.positions[corners.y],
+                                                surface.positions[corners.z]);
+      if (frame.e1x * frame.e2y > 0.0 && !isDegenerate(surface, t))
+        rest_[t] = {static_cast<float>(frame.e1x), static_cast<float>(frame.e2x),
+                    static_cast<float>(frame.e2y)};
+    }
   }
 
   void measure(size_t t, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double& total) {
-    const glm::uvec3 corners = surface_.triangles[t];
-    const TriangleFrame rest = triangleFrame(surface_.positions[corners.x], surface_.positions[corners.y],
-                                             surface_.positions[corners.z]);
-    const double area = rest.e1x * rest.e2y;
-    if (!(area > 0.0) || isDegenerate(surface_, t)) return;
-    const glm::dvec3 f1 = (b - a) / rest.e1x;
-    const glm::dvec3 f2 = ((c - a) - f1 * rest.e2x) / rest.e2y;
+    const Rest rest = rest_[t];
+    if (rest.e1x == 0.0f) return;
+    const double area = double{rest.e1x} * double{rest.e2y};
+    const glm::dvec3 f1 = (b - a) / double{rest.e1x};
+    const glm::dvec3 f2 = ((c - a) - f1 * double{rest.e2x}) / double{rest.e2y};
     const double xx = glm::dot(f1, f1), xy = glm::dot(f1, f2), yy = glm::dot(f2, f2);
     const double half = 0.5 * (xx - yy);
     const double spread = std::sqrt(half * half + xy * xy);
@@ -44,8 +50,12 @@ class Meter {
   }
 
  private:
-  const Surface& surface_;
+  struct Rest {
+    float e1x = 0.0f, e2x = 0.0f, e2y = 0.0f;  // as in TriangleFrame; zero: no plane
+  };
+
   Squeeze& squeeze_;
+  std::vector<Rest> rest_;
 };
 
 }  // namespace

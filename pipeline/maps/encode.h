@@ -16,13 +16,29 @@ struct EncodedTexture {
   TextureFormat format = TextureFormat::kRgba8;
   uint32_t width = 0, height = 0, slices = 0, levels = 0;
   std::vector<std::byte> data;
+  // Of the largest level against its source, where it is covered: degrees between normals (kBc5), part of the
+  // range of factors (kBc4); 0 for kRgba8, which stores its source to the bit.
+  double rms_error = 0.0, largest_error = 0.0;
 };
 
-// Mip levels down to 1 x 1 and blocks of an array of images of one size, powers of two from 4, with the
-// format's channels (else std::invalid_argument). No slices: an empty texture.
+constexpr const char* textureFormatName(TextureFormat format) {
+  return format == TextureFormat::kBc5 ? "BC5" : format == TextureFormat::kBc4 ? "BC4" : "RGBA8";
+}
+
+// For each texel of a slice, whether a chart has it (else 0). Empty: all texels.
+using Coverage = std::vector<uint8_t>;
+
+// Mip levels down to 1 x 1 and blocks of an array of images of one size, sides multiples of 4, with the
+// format's channels (else std::invalid_argument). No slices: an empty texture. Smaller levels are means over
+// the covered texels alone, and texels that are not covered take the value of the level above them, so that
+// no filter brings in what lies outside the charts. Any number of threads gives the same bytes.
 //   kBc5: channels 0, 1 are a unit normal's x, y in [-1, 1] (stored * 0.5 + 0.5); levels are averaged as
-//   slopes x/z, y/z and renormalised. kBc4: channel 0 in [0, 1].   kRgba8: four channels in [0, 1], rounded
-//   to the nearest; level 0 is exact for 8-bit sources.
-EncodedTexture encode(TextureFormat format, std::span<const Image> slices);
+//   slopes x/z, y/z and renormalised. kBc4: channel 0 in [0, 1].
+EncodedTexture encode(TextureFormat format, std::span<const Image> slices,
+                      std::span<const Coverage> coverage = {}, uint32_t threads = 1);
+
+// The same for kRgba8: four channels, sides of any size; covered texels of level 0 are stored to the bit.
+EncodedTexture encodeBytes(std::span<const ByteImage> slices, std::span<const Coverage> coverage = {},
+                           uint32_t threads = 1);
 
 }  // namespace furrow::pipeline

@@ -39,12 +39,11 @@ const ImageModule& imageModule() {
   return module;
 }
 
-}  // namespace
-
-Image readImage(const std::filesystem::path& file) {
-  Image image;
-  const auto place = [](void* context, int width, int height, int depth, int channels) -> float* {
-    Image& to = *static_cast<Image*>(context);
+template <class AnyImage>
+AnyImage read(const std::filesystem::path& file) {
+  AnyImage image;
+  const auto place = [](void* context, int width, int height, int depth, int channels) -> void* {
+    AnyImage& to = *static_cast<AnyImage*>(context);
     to.width = static_cast<uint32_t>(width);
     to.height = static_cast<uint32_t>(height);
     to.channels = static_cast<uint32_t>(channels);
@@ -54,7 +53,8 @@ Image readImage(const std::filesystem::path& file) {
     to.pixels.resize(static_cast<size_t>(to.width) * to.height * to.channels);
     return to.pixels.data();
   };
-  const ImageModule::Reading reading = imageModule().read(file.c_str(), place, &image);
+  const ImageModule::Reading reading =
+      imageModule().read(file.c_str(), std::is_same_v<AnyImage, ByteImage>, place, &image);
   if (!reading.opened)
     throw Error(Exit::kBadData, file.string(),
                 std::string("it cannot be read as an image (") + reading.fault + ")",
@@ -67,21 +67,37 @@ Image readImage(const std::filesystem::path& file) {
   if (reading.fault)
     throw Error(Exit::kBadData, file.string(), std::string("the image is damaged (") + reading.fault + ")",
                 "export it again");
+  return image;
+}
+
+}  // namespace
+
+Image readImage(const std::filesystem::path& file) {
+  Image image = read<Image>(file);
   if (!std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); }))
     throw Error(Exit::kBadData, file.string(), "the image holds values that are not finite",
                 "export it again");
   return image;
 }
 
-void writeImage(const std::filesystem::path& file, const Image& image) {
-  std::vector<uint8_t> bytes(image.pixels.size());
-  std::transform(image.pixels.begin(), image.pixels.end(), bytes.begin(), [](float v) {
+ByteImage readByteImage(const std::filesystem::path& file) {
+  return read<ByteImage>(file);
+}
+
+ByteImage toBytes(const Image& image) {
+  ByteImage bytes{image.width, image.height, image.channels, std::vector<uint8_t>(image.pixels.size())};
+  std::transform(image.pixels.begin(), image.pixels.end(), bytes.pixels.begin(), [](float v) {
     return static_cast<uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
   });
+  return bytes;
+}
+
+void writeImage(const std::filesystem::path& file, const Image& image) {
+  const ByteImage bytes = toBytes(image);
   std::filesystem::path temporary = file;
   temporary += ".part";
   const char* const fault =
-      imageModule().write(temporary.c_str(), file.c_str(), bytes.data(), static_cast<int>(image.width),
+      imageModule().write(temporary.c_str(), file.c_str(), bytes.pixels.data(), static_cast<int>(image.width),
                           static_cast<int>(image.height), static_cast<int>(image.channels));
   std::error_code error;
   if (!fault) std::filesystem::rename(temporary, file, error);
@@ -92,32 +108,29 @@ void writeImage(const std::filesystem::path& file, const Image& image) {
               "check the folder, the disk and that the name ends in .png");
 }
 
-Image resize(const Image& image, uint32_t width, uint32_t height) {
+Image resize(const Image& image, uint32_t width, uint32_t height, glm::dvec2 low, glm::dvec2 extent) {
   // One axis after the other; a triangle as wide as the coarser of the two grids, so that shrinking averages
   // and growing interpolates.
-  const auto along = [](const Image& in, uint32_t size, bool rows) {
-    const uint32_t old_size = rows ? in.height : in.width;
-    Image out;
-    out.width = rows ? in.width : size;
-    out.height = rows ? size : in.height;
-    out.channels = in.channels;
+  const auto along = [](const Image& in, uint32_t size, double begin, double length, bool rows) {
+    const uint32_t old_size = rows ? in.height : in.width, others = rows ? in.width : in.height;
+    Image out{rows ? in.width : size, rows ? size : in.height, in.channels, {}};
     out.pixels.assign(static_cast<size_t>(out.width) * out.height * out.channels, 0.0f);
-    const double scale = static_cast<double>(old_size) / size;
-    const double radius = std::max(scale, 1.0);
+    const double scale = length * old_size / size, radius = std::max(scale, 1.0);
     for (uint32_t i = 0; i < size; ++i) {
-      const double centre = (i + 0.5) * scale - 0.5;
+      const double centre = begin * old_size + (i + 0.5) * scale - 0.5;
       const auto first = static_cast<int64_t>(std::ceil(centre - radius));
       const auto last = static_cast<int64_t>(std::floor(centre + radius));
+      const auto falling = [&](int64_t j) {
+        return 1.0 - std::abs(static_cast<double>(j) - centre) / radius;
+      };
       double total = 0.0;
       for (int64_t j = first; j <= last; ++j) {
-        total += 1.0 - std::abs(static_cast<double>(j) - centre) / radius;
+        total += falling(j);
       }
       for (int64_t j = first; j <= last; ++j) {
-        const auto weight =
-            static_cast<float>((1.0 - std::abs(static_cast<double>(j) - centre) / radius) / total);
-        const auto from = static_cast<uint32_t>(std::clamp<int64_t>(j, 0, old_size - 1));
-        const uint32_t others = rows ? in.width : in.height;
-        for (uint32_t k = 0; k < others; ++k) {
+        const auto weight = static_cast<float>(falling(j) / total);
+        const auto from = static_cast<uint32_t>((j % old_size + old_size) % old_size);
+        for (uint32_t k = 0; weight > 0.0f && k < others; ++k) {
           const float* source = rows ? in.at(k, from) : in.at(from, k);
           float* target = rows ? out.at(k, i) : out.at(i, k);
           for (uint32_t c = 0; c < in.channels; ++c) {
@@ -128,10 +141,10 @@ Image resize(const Image& image, uint32_t width, uint32_t height) {
     }
     return out;
   };
-  if (image.width == width && image.height == height) {
+  if (image.width == width && image.height == height && low == glm::dvec2(0.0) && extent == glm::dvec2(1.0)) {
     return image;
   }
-  return along(along(image, width, false), height, true);
+  return along(along(image, width, low.x, extent.x, false), height, low.y, extent.y, true);
 }
 
 }  // namespace furrow::pipeline

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec2.hpp>
 #include <vector>
 
 namespace furrow::pipeline {
@@ -22,15 +23,33 @@ struct Image {
   float* at(uint32_t x, uint32_t y) { return &pixels[(static_cast<size_t>(y) * width + x) * channels]; }
 };
 
+// The same in 8 bits a channel.
+struct ByteImage {
+  uint32_t width = 0, height = 0, channels = 0;
+  std::vector<uint8_t> pixels;
+
+  const uint8_t* at(uint32_t x, uint32_t y) const {
+    return &pixels[(static_cast<size_t>(y) * width + x) * channels];
+  }
+};
+
 // At most 16384 texels a side and 4 channels. Throws Error (kBadData: it is not such an image, or damaged;
 // names the file and the reason).
 Image readImage(const std::filesystem::path& file);
+
+// The same in bytes: 8-bit files to the bit, others rounded.
+ByteImage readByteImage(const std::filesystem::path& file);
+
+// Values cut to [0, 1] and rounded to the nearest of 256.
+ByteImage toBytes(const Image& image);
 
 // 8 bits a channel, format by extension (PNG); written to a temporary beside the file, then renamed. Throws
 // Error (kEnvironment).
 void writeImage(const std::filesystem::path& file, const Image& image);
 
-// The image at another size, triangle-filtered over its edges held; the same pixels if the size is the same.
-Image resize(const Image& image, uint32_t width, uint32_t height);
+// The image at another size, or a window of it: from `low` over `extent`, in sides. Triangle-filtered, and
+// repeated over its edges as UVs are; the same pixels if the size is the same and the window is the whole.
+Image resize(const Image& image, uint32_t width, uint32_t height, glm::dvec2 low = glm::dvec2(0.0),
+             glm::dvec2 extent = glm::dvec2(1.0));
 
 }  // namespace furrow::pipeline

@@ -16,23 +16,24 @@ const char* fault(const std::string& text) {
   return line.empty() ? "unknown reason" : line.c_str();
 }
 
-ImageModule::Reading read(const char* file, ImageModule::Place place, void* context) {
+ImageModule::Reading read(const char* file, bool bytes, ImageModule::Place place, void* context) {
   // Without it a fourth channel is taken for alpha and the other three are multiplied by it.
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file, &config);
   if (!input) return {false, fault(OIIO::geterror())};
   const OIIO::ImageSpec& spec = input->spec();
-  float* pixels = place(context, spec.width, spec.height, spec.depth, spec.nchannels);
+  void* const pixels = place(context, spec.width, spec.height, spec.depth, spec.nchannels);
   if (!pixels) return {true, "refused"};
   bool done = false;
-  if (spec.format.is_floating_point()) {
-    done = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels);
+  if (bytes || spec.format.is_floating_point()) {
+    const OIIO::TypeDesc type = bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT;
+    done = input->read_image(0, 0, 0, spec.nchannels, type, pixels);
   } else {
     // OpenImageIO multiplies by 1 / 255, which is not v / 255 to the last bit.
     std::vector<uint16_t> values(static_cast<size_t>(spec.width) * spec.height * spec.nchannels);
     done = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data());
-    std::transform(values.begin(), values.end(), pixels,
+    std::transform(values.begin(), values.end(), static_cast<float*>(pixels),
                    [](uint16_t v) { return static_cast<float>(v) / 65535.0f; });
   }
   return {true, done ? nullptr : fault(input->geterror())};

@@ -14,11 +14,12 @@ struct ImageModule {
     bool opened;  // false: it is no image at all
     const char* fault;
   };
-  // Where the pixels of an image of this size go: width * height * channels floats, rows from the top. Null
+  // Where the pixels of an image of this size go: width * height * channels of them, rows from the top. Null
   // ends the reading.
-  using Place = float* (*)(void* context, int width, int height, int depth, int channels);
+  using Place = void* (*)(void* context, int width, int height, int depth, int channels);
 
-  Reading (*read)(const char* file, Place place, void* context);
+  // Pixels are floats, or bytes.
+  Reading (*read)(const char* file, bool bytes, Place place, void* context);
   // 8 bits a channel; the extension of `name` says the format.
   const char* (*write)(const char* file, const char* name, const uint8_t* bytes, int width, int height,
                        int channels);

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <stdexcept>
-#include <thread>
 
 #include "pipeline/maps/kernels.h"
-#include "pipeline/maps/texel_map.h"
+#include "pipeline/parallel.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -17,23 +15,37 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 constexpr float kSteepest = 1.2f;     // slope; the runtime's fast normalisation is good up to 1.22
-constexpr float kDarkest = 0.5f;      // W of the deepest valley
 constexpr float kMinorDepth = 0.22f;  // of a full minor crease, of the whole depth
 constexpr float kBroken = 0.35f,
                 kWhole =
                     0.8f;  // coherence of the waves where lines end, and from which they are at full depth
 
 Irregularity irregularityOf(Preset preset) {
-  if (preset == Preset::kSkin) {
-    return {.sway = 0.45,
-            .sway_length = 5.0,
-            .line = 0.5,
-            .line_steps = 48,
-            .shallowest = 0.06,
-            .ending = 0.15,
-            .minor = 0.45};
+  switch (preset) {
+    case Preset::kSkin:
+      return {.sway = 0.45,
+              .sway_length = 5.0,
+              .line = 0.5,
+              .line_steps = 48,
+              .shallowest = 0.06,
+              .ending = 0.15,
+              .minor = 0.45};
+    case Preset::kSkinFine:  // short lines that waver, nearly all with a finer one beside them
+      return {.sway = 0.6,
+              .sway_length = 2.5,
+              .line = 0.5,
+              .line_steps = 10,
+              .shallowest = 0.1,
+              .ending = 0.25,
+              .minor = 0.9};
+    case Preset::kCloth:
+      return {
+          .sway = 0.7, .sway_length = 6.0, .line = 0.0, .line_steps = 16, .shallowest = 0.05, .ending = 0.2};
+    case Preset::kClothPuckers:  // bulges that end after a few spacings
+      return {
+          .sway = 0.35, .sway_length = 3.0, .line = 0.0, .line_steps = 4, .shallowest = 0.0, .ending = 0.3};
   }
-  return {.sway = 0.7, .sway_length = 6.0, .line = 0.0, .line_steps = 16, .shallowest = 0.05, .ending = 0.2};
+  return {};
 }
 
 // A value over the surface and its gradient.
@@ -214,7 +226,7 @@ struct Synthesis::Pattern {
 
     const Varying real = sums.real.total(), imaginary = sums.imaginary.total(), total = sums.total.total(),
                   nearby = sums.nearby.total();
-    const bool skin = settings.preset == Preset::kSkin;
+    const bool skin = settings.preset == Preset::kSkin || settings.preset == Preset::kSkinFine;
     const Varying level = {skin ? kSkinLevel : kClothLevel, glm::vec3(0.0f)};
     const float size2 = real.value * real.value + imaginary.value * imaginary.value;
     if (!(size2 > 1e-12f * total.value * total.value) || !(nearby.value > 0.0f)) {
@@ -259,13 +271,13 @@ Synthesis::Synthesis(const Surface& surface, const LayerField& field, const Synt
 
 Synthesis::~Synthesis() = default;
 
-SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, uint32_t threads) const {
-  const TexelMap texels = mapTexels(surface_, parts, size, std::max(4u, size / 128u));
+SynthesizedMaps Synthesis::draw(const TexelMap& texels, uint32_t threads) const {
+  const uint32_t width = texels.grid.width, height = texels.grid.height;
+  const size_t count = texels.triangle.size();
   SynthesizedMaps maps;
-  const size_t count = static_cast<size_t>(size) * size;
-  maps.normal = {size, size, 2, std::vector<float>(2 * count, 0.0f)};
-  maps.height = {size, size, 1, std::vector<float>(count, 0.0f)};
-  maps.shading = {size, size, 1, std::vector<float>(count, 0.0f)};
+  maps.normal = {width, height, 2, std::vector<float>(2 * count, 0.0f)};
+  maps.height = {width, height, 1, std::vector<float>(count, 0.0f)};
+  maps.shading = {width, height, 1, std::vector<float>(count, 0.0f)};
   const auto depth = static_cast<float>(pattern_->settings.depth);
 
   const auto drawTexel = [&](size_t texel) {
@@ -279,7 +291,7 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
       return;
     }
     const glm::vec3 w(1.0f - b.x - b.y, b.x, b.y);
-    const glm::uvec3 v = surface_.triangles[t], p = surface_.trianglePoints(t);
+    const glm::uvec3 p = surface_.trianglePoints(t);
     const auto at = [&](const auto& values, const glm::uvec3& i) {
       return values[i.x] * w.x + values[i.y] * w.y + values[i.z] * w.z;
     };
@@ -302,22 +314,16 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
     place.direction =
         meanLine(field_.direction[p.x], field_.direction[p.y], field_.direction[p.z], w, place.normal);
 
-    const auto [height, shading] = pattern_->relief(place, near);
-    maps.height.pixels[texel] = height.value;
+    const auto [relief, shading] = pattern_->relief(place, near);
+    maps.height.pixels[texel] = relief.value;
     maps.shading.pixels[texel] = shading;
 
-    const glm::vec3 normal_sum = at(surface_.normals, v);
-    const glm::vec3 normal =
-        glm::dot(normal_sum, normal_sum) > 0.0f ? glm::normalize(normal_sum) : surface_.normals[v.x];
-    glm::vec3 tangent = glm::vec3(at(surface_.tangents, v));
-    tangent -= normal * glm::dot(normal, tangent);
-    if (!(glm::dot(tangent, tangent) > 0.0f)) {
-      return;  // opposite tangents meet: no frame, so flat
+    const auto frame = frameAt(surface_, t, b);
+    if (!frame) {
+      return;
     }
-    tangent = glm::normalize(tangent);
-    const glm::vec3 bitangent = glm::cross(normal, tangent) * surface_.tangents[v.x].w;
-    glm::vec2 slope =
-        depth * glm::vec2(glm::dot(height.gradient, tangent), glm::dot(height.gradient, bitangent));
+    glm::vec2 slope = depth * glm::vec2(glm::dot(relief.gradient, frame->tangent),
+                                        glm::dot(relief.gradient, frame->bitangent));
     const float steepness = glm::length(slope);
     if (!std::isfinite(steepness)) {
       return;
@@ -330,20 +336,11 @@ SynthesizedMaps Synthesis::draw(std::span<const uint32_t> parts, uint32_t size, 
     maps.normal.pixels[2 * texel + 1] = -slope.y / length;
   };
 
-  std::atomic<uint32_t> next_row = 0;
-  const auto work = [&] {
-    for (uint32_t row = next_row++; row < size; row = next_row++) {
-      for (uint32_t x = 0; x < size; ++x) {
-        drawTexel(static_cast<size_t>(row) * size + x);
-      }
+  parallelFor(height, threads, [&](uint32_t row) {
+    for (uint32_t x = 0; x < width; ++x) {
+      drawTexel(static_cast<size_t>(row) * width + x);
     }
-  };
-  std::vector<std::jthread> others;
-  for (uint32_t i = 1; i < threads; ++i) {
-    others.emplace_back(work);
-  }
-  work();
-  others.clear();
+  });
   return maps;
 }
 

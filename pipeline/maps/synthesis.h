@@ -4,14 +4,21 @@
 // branching and no seams, because the pattern lives on the surface and not in UV.
 
 #include <memory>
-#include <span>
 
 #include "pipeline/bake/surface.h"
 #include "pipeline/maps/image.h"
+#include "pipeline/maps/texel_map.h"
 
 namespace furrow::pipeline {
 
-enum class Preset { kSkin, kCloth };  // narrow valleys between wide ridges; round folds
+enum class Preset {
+  kSkin,          // lines of expression: narrow valleys between wide ridges
+  kSkinFine,      // fine lines: shallow, short and wavering
+  kCloth,         // folds: round
+  kClothPuckers,  // short bulges, as along a seam
+};
+
+inline constexpr float kDarkest = 0.5f;  // W of the deepest valley
 
 struct SynthesisSettings {
   Preset preset = Preset::kSkin;
@@ -20,9 +27,8 @@ struct SynthesisSettings {
   uint32_t seed = 1;
 };
 
-// Maps of one texture set, row 0 at v = 0. Texels outside every chart are dilated from the nearest chart (a
-// hundredth of the size), then flat. Slopes are limited to 1.2, where the runtime's fast normalisation still
-// holds.
+// Maps of one window of UV space, row 0 at its low v; flat outside every chart. Slopes are limited to 1.2,
+// where the runtime's fast normalisation still holds.
 struct SynthesizedMaps {
   Image normal;   // 2 channels: x, y of the unit normal in the vertices' tangent frames (T, w * cross(N, T)),
                   // [-1, 1]
@@ -41,9 +47,8 @@ class Synthesis {
   Synthesis(const Surface& surface, const LayerField& field, const SynthesisSettings& settings);
   ~Synthesis();
 
-  // Any number of threads may draw at once. Draws the parts (indices into Surface::parts, all with UVs) into
-  // maps of size x size texels.
-  SynthesizedMaps draw(std::span<const uint32_t> parts, uint32_t size, uint32_t threads) const;
+  // Any number of threads may draw at once. `texels`: of parts with UVs.
+  SynthesizedMaps draw(const TexelMap& texels, uint32_t threads) const;
 
  private:
   struct Pattern;

@@ -29,8 +29,12 @@ struct Edge {
 
 class Mapper {
  public:
-  Mapper(const Surface& surface, uint32_t size) : surface_(surface), size_(size), distance2_(texels(), kFar) {
-    map_.size = size;
+  Mapper(const Surface& surface, const TexelGrid& grid)
+      : surface_(surface),
+        grid_(grid),
+        period_(grid.width / grid.extent.x, grid.height / grid.extent.y),
+        distance2_(texels(), kFar) {
+    map_.grid = grid;
     map_.triangle.assign(texels(), kNoIndex);
     map_.barycentric.assign(texels(), glm::vec2(0.0f));
   }
@@ -44,12 +48,11 @@ class Mapper {
     if (area == 0.0) {
       return;
     }
-    visit(c, 0.0, [&](int64_t x, int64_t y) {
-      const glm::dvec2 p(static_cast<double>(x), static_cast<double>(y));
+    visit(c, 0.0, [&](size_t texel, const glm::dvec2& p) {
       const double b1 = cross(p - c[0], c[2] - c[0]) / area;
       const double b2 = cross(c[1] - c[0], p - c[0]) / area;
       if (b1 >= -kInsideSlack && b2 >= -kInsideSlack && b1 + b2 <= 1.0 + kInsideSlack) {
-        offer(x, y, 0.0, triangle, b1, b2);
+        offer(texel, 0.0, triangle, b1, b2);
       }
     });
   }
@@ -62,8 +65,8 @@ class Mapper {
     const uint32_t next = (edge.corner + 1) % 3;
     const glm::dvec2 from = c[edge.corner], along = c[next] - from;
     const double length2 = glm::dot(along, along);
-    visit({from, c[next], from}, margin, [&](int64_t x, int64_t y) {
-      const glm::dvec2 p = glm::dvec2(static_cast<double>(x), static_cast<double>(y)) - from;
+    visit({from, c[next], from}, margin, [&](size_t texel, const glm::dvec2& at) {
+      const glm::dvec2 p = at - from;
       const double t = length2 > 0.0 ? std::clamp(glm::dot(p, along) / length2, 0.0, 1.0) : 0.0;
       const glm::dvec2 gap = p - along * t;
       const double distance2 = glm::dot(gap, gap);
@@ -71,7 +74,7 @@ class Mapper {
         std::array<double, 3> b{};
         b[edge.corner] = 1.0 - t;
         b[next] = t;
-        offer(x, y, distance2, edge.triangle, b[1], b[2]);
+        offer(texel, distance2, edge.triangle, b[1], b[2]);
       }
     });
   }
@@ -81,44 +84,50 @@ class Mapper {
  private:
   static constexpr double kFar = 1e300;
 
-  size_t texels() const { return static_cast<size_t>(size_) * size_; }
+  size_t texels() const { return size_t{grid_.width} * grid_.height; }
 
-  // Moved by whole periods so that the smallest coordinates are in [0, 1).
+  // In texels of the window, moved by whole periods so that the smallest coordinates are in the first one.
   bool corners(uint32_t triangle, Corners& c) const {
     glm::dvec2 low(kFar);
     for (int i = 0; i < 3; ++i) {
-      c[i] = surface_.uvs[surface_.triangles[triangle][i]];
-      if (!std::isfinite(c[i].x) || !std::isfinite(c[i].y)) {
+      const glm::vec2 uv = surface_.uvs[surface_.triangles[triangle][i]];
+      if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
         return false;
       }
+      c[i] = glm::dvec2(uv) - grid_.low;
       low = {std::min(low.x, c[i].x), std::min(low.y, c[i].y)};
     }
     for (glm::dvec2& corner : c) {
-      corner = (corner - glm::dvec2(std::floor(low.x), std::floor(low.y))) * static_cast<double>(size_) - 0.5;
+      corner = (corner - glm::dvec2(std::floor(low.x), std::floor(low.y))) * period_ - 0.5;
     }
     return true;
   }
 
+  // The texels whose centres, moved by a period or not, are within `margin` of the corners' bounds.
   template <class Do>
   void visit(const Corners& c, double margin, Do&& visit_texel) const {
-    const auto range = [&](double a, double b, double d) {
-      const auto first =
-          static_cast<int64_t>(std::ceil(std::max(std::min({a, b, d}) - margin, -2.0 * size_)));
-      const auto last = static_cast<int64_t>(std::floor(std::min(std::max({a, b, d}) + margin, 4.0 * size_)));
-      return std::array<int64_t, 2>{first, std::min<int64_t>(last, first + size_ - 1)};
+    const auto range = [&](double a, double b, double d, double moved, uint32_t count) {
+      const double low = std::max(std::min({a, b, d}) - margin - moved, 0.0);
+      const double high = std::min(std::max({a, b, d}) + margin - moved, count - 1.0);
+      return std::array<int64_t, 2>{static_cast<int64_t>(std::ceil(low)),
+                                    static_cast<int64_t>(std::floor(high))};
     };
-    const auto [x0, x1] = range(c[0].x, c[1].x, c[2].x);
-    const auto [y0, y1] = range(c[0].y, c[1].y, c[2].y);
-    for (int64_t y = y0; y <= y1; ++y) {
-      for (int64_t x = x0; x <= x1; ++x) {
-        visit_texel(x, y);
+    for (const double down : {0.0, 1.0, -1.0}) {
+      const auto [y0, y1] = range(c[0].y, c[1].y, c[2].y, down * period_.y, grid_.height);
+      for (const double right : {0.0, 1.0, -1.0}) {
+        const glm::dvec2 moved = glm::dvec2(right, down) * period_;
+        const auto [x0, x1] = range(c[0].x, c[1].x, c[2].x, moved.x, grid_.width);
+        for (int64_t y = y0; y <= y1; ++y) {
+          for (int64_t x = x0; x <= x1; ++x) {
+            visit_texel(static_cast<size_t>(y) * grid_.width + static_cast<size_t>(x),
+                        moved + glm::dvec2(static_cast<double>(x), static_cast<double>(y)));
+          }
+        }
       }
     }
   }
 
-  void offer(int64_t x, int64_t y, double distance2, uint32_t triangle, double b1, double b2) {
-    const auto wrap = [&](int64_t i) { return static_cast<size_t>((i % size_ + size_) % size_); };
-    const size_t texel = wrap(y) * size_ + wrap(x);
+  void offer(size_t texel, double distance2, uint32_t triangle, double b1, double b2) {
     if (distance2 < distance2_[texel] ||
         (distance2 == distance2_[texel] && triangle < map_.triangle[texel])) {
       distance2_[texel] = distance2;
@@ -128,7 +137,8 @@ class Mapper {
   }
 
   const Surface& surface_;
-  uint32_t size_;
+  const TexelGrid grid_;
+  const glm::dvec2 period_;  // of UVs, in texels
   std::vector<double> distance2_;
   TexelMap map_;
 };
@@ -154,8 +164,9 @@ std::vector<Edge> sortedEdges(const Surface& surface, const SurfacePart& part) {
 
 }  // namespace
 
-TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, uint32_t size, uint32_t margin) {
-  Mapper mapper(surface, size);
+TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, const TexelGrid& grid,
+                   uint32_t margin) {
+  Mapper mapper(surface, grid);
   const double reach = std::max(static_cast<double>(margin), kHalfDiagonal);
   for (const uint32_t index : parts) {
     const SurfacePart& part = surface.parts[index];
@@ -176,6 +187,25 @@ TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, uint
     }
   }
   return mapper.take();
+}
+
+std::optional<TangentFrame> frameAt(const Surface& surface, uint32_t triangle, glm::vec2 barycentric) {
+  const glm::vec3 w(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y);
+  const glm::uvec3 v = surface.triangles[triangle];
+  const auto at = [&](const auto& values) {
+    return glm::vec3(values[v.x]) * w.x + glm::vec3(values[v.y]) * w.y + glm::vec3(values[v.z]) * w.z;
+  };
+  const glm::vec3 sum = at(surface.normals);
+  TangentFrame frame;
+  frame.normal = glm::dot(sum, sum) > 0.0f ? glm::normalize(sum) : surface.normals[v.x];
+  const glm::vec3 along = at(surface.tangents);
+  frame.tangent = along - frame.normal * glm::dot(frame.normal, along);
+  if (!(glm::dot(frame.tangent, frame.tangent) > 0.0f)) {
+    return std::nullopt;
+  }
+  frame.tangent = glm::normalize(frame.tangent);
+  frame.bitangent = glm::cross(frame.normal, frame.tangent) * surface.tangents[v.x].w;
+  return frame;
 }
 
 }  // namespace furrow::pipeline

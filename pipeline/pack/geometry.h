@@ -25,7 +25,7 @@ struct PackedAttribute {
   uint32_t components = 1, bits = 16;
   std::vector<float> offset;
   float step = 0.0f;
-  std::vector<uint32_t> values;  // components a vertex
+  std::vector<uint32_t> values;  // components a vertex; empty once Draco has them
 };
 
 struct PackedPart {
@@ -43,14 +43,14 @@ struct PackedPart {
 
 // Quantises a primitive: positions in steps of at most 1/64 of the short edges and at least 16 bits, normals
 // and tangents (unit) to 10 bits, UVs and weights to 16. With Draco the vertices get a new order and faces
-// without area are dropped; a mesh that would lose vertices that way is encoded in its own order.
+// without area are dropped; a mesh that would lose vertices that way is encoded in its own order. `decoded`
+// is what the runtime will make of it, with influencesOf(part) joints a vertex.
 PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
-                        std::span<const glm::vec4> tangents, uint32_t palette_count, GeometryCodec codec);
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, GeometryCodec codec,
+                        PartGeometry& decoded);
 
 flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& builder, const PackedPart& part);
 
-// What the runtime will decode.
-PartGeometry unpackGeometry(const PackedPart& part, uint32_t influences);
 uint32_t influencesOf(const PackedPart& part);
 
 // The upper three rows, row-major, as the file and the runtime's Affine hold a matrix.

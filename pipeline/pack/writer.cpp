@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "asset_header.h"
+#include "pipeline/pack/morphs.h"
 #include "pipeline/pack/rig_section.h"
 
 namespace furrow::pipeline {
@@ -40,7 +41,8 @@ class Writer {
     std::vector<Offset<format::PaletteEntry>> palette;
     for (const PaletteEntry& entry : in_.scene.rig.palette)
       palette.push_back(format::CreatePaletteEntry(b_, b_.CreateString(in_.scene.rig.nodes[entry.node].name),
-                                                   entry.node, b_.CreateVector(affineRows(entry.inverse_bind))));
+                                                   entry.node,
+                                                   b_.CreateVector(affineRows(entry.inverse_bind))));
     std::vector<Offset<format::Morph>> morphs = writeMorphs();
     std::vector<Offset<format::Layer>> layers;
     for (size_t l = 0; l < in_.layers.size(); ++l) layers.push_back(writeLayer(l));
@@ -48,7 +50,8 @@ class Writer {
     for (const BakedTextureSet& set : in_.texture_sets)
       sets.push_back(format::CreateTextureSet(
           b_, b_.CreateString(set.name), writeTexture(set.normals), writeTexture(set.shading),
-          writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice)));
+          writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice),
+          set.windows.empty() ? 0 : b_.CreateVector(&set.windows[0].x, 4 * set.windows.size())));
     const std::vector<uint16_t> ring_weights = padded(in_.rings.weights);
     const auto vertex_point =
         writeStream(b_, in_.surface.vertex_point.data(), 4, in_.surface.vertex_point.size());
@@ -62,7 +65,8 @@ class Writer {
         in_.influences, static_cast<float>(in_.position_error), b_.CreateVector(parts),
         b_.CreateVector(palette), b_.CreateVector(morphs), b_.CreateVector(layers), b_.CreateVector(sets),
         static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, ring_offsets, ring_triangles,
-        weights, bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)));
+        weights, bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)),
+        static_cast<float>(morph_error_));
     format::FinishAssetBuffer(b_, asset);
 
     AssetHeader header = {};
@@ -77,62 +81,20 @@ class Writer {
   }
 
  private:
-  // The morphs of a rig belong to nodes; the parts that show the node's mesh bring the vertices.
   std::vector<Offset<format::Morph>> writeMorphs() {
-    struct Delta {
-      uint32_t vertex;
-      glm::vec3 position, normal;
-    };
-    std::vector<std::vector<Delta>> by_morph(in_.scene.rig.morphs.size());
-    for (const SurfacePart& span : in_.surface.parts) {
-      const Part& part = in_.scene.parts[span.source_part];
-      const Primitive& primitive = in_.scene.primitives[part.primitive];
-      std::vector<uint32_t> asset_vertex(primitive.positions.size());
-      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
-        asset_vertex[in_.source_vertex[v] - span.vertex_begin] = v;
-      for (size_t m = 0; m < primitive.morphs.size(); ++m) {
-        const MorphDelta& delta = primitive.morphs[m];
-        for (size_t i = 0; i < delta.vertices.size(); ++i)
-          by_morph[part.first_morph + m].push_back(
-              {asset_vertex[delta.vertices[i]], delta.positions[i],
-               delta.normals.empty() ? glm::vec3(0.0f) : delta.normals[i]});
-      }
-    }
     std::vector<Offset<format::Morph>> out;
-    for (size_t m = 0; m < by_morph.size(); ++m) {
-      std::vector<Delta>& deltas = by_morph[m];
-      std::sort(deltas.begin(), deltas.end(),
-                [](const Delta& a, const Delta& b) { return a.vertex < b.vertex; });
-      float most = 0.0f, most_normal = 0.0f;
-      for (const Delta& d : deltas)
-        for (int c = 0; c < 3; ++c) {
-          most = std::max(most, std::abs(d.position[c]));
-          most_normal = std::max(most_normal, std::abs(d.normal[c]));
-        }
-      const float step = most / 32767.0f, normal_step = most_normal / 127.0f;
-      std::vector<uint32_t> vertices;
-      std::vector<int16_t> positions;
-      std::vector<int8_t> normals;
-      for (const Delta& d : deltas) {
-        vertices.push_back(d.vertex);
-        for (int c = 0; c < 4; ++c) {
-          positions.push_back(c < 3 && step > 0.0f ? static_cast<int16_t>(std::lround(std::clamp(
-                                                         d.position[c] / step, -32767.0f, 32767.0f)))
-                                                   : int16_t{0});
-          normals.push_back(c < 3 && normal_step > 0.0f ? static_cast<int8_t>(std::lround(std::clamp(
-                                                              d.normal[c] / normal_step, -127.0f, 127.0f)))
-                                                        : int8_t{0});
-        }
-      }
-      const auto vertex_stream =
-          writeStream(b_, vertices.data(), 4, vertices.size(), format::Codec::MeshoptSequence);
-      const auto position_stream = writeStream(b_, positions.data(), 8, vertices.size());
-      const auto normal_stream =
-          most_normal > 0.0f ? writeStream(b_, normals.data(), 4, vertices.size()) : Offset<format::Stream>();
+    if (in_.scene.rig.morphs.empty()) return out;
+    MorphPacker packer(in_.scene, in_.surface, in_.source_vertex);
+    for (uint32_t m = 0; m < in_.scene.rig.morphs.size(); ++m) {
+      const PackedMorph packed = packer.pack(m);
+      morph_error_ = std::max(morph_error_, packed.error);
+      const auto runs = streamOf(packed.runs, 8);
+      const auto positions = streamOf(packed.positions, packed.position_stride);
+      const auto normals = streamOf(packed.normals, 4);
       const MorphTarget& target = in_.scene.rig.morphs[m];
       out.push_back(format::CreateMorph(b_, b_.CreateString(target.name),
-                                        static_cast<float>(target.default_weight), step, normal_step,
-                                        vertex_stream, position_stream, normal_stream));
+                                        static_cast<float>(target.default_weight), packed.position_step,
+                                        packed.normal_step, runs, positions, normals));
     }
     return out;
   }
@@ -188,10 +150,13 @@ class Writer {
   Offset<format::Texture> writeTexture(const EncodedTexture& texture) {
     if (texture.slices == 0) return {};
     return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height,
-                                 texture.slices, texture.levels, bytesVector(b_, texture.data));
+                                 texture.slices, texture.levels, bytesVector(b_, texture.data),
+                                 static_cast<float>(texture.rms_error),
+                                 static_cast<float>(texture.largest_error));
   }
 
   const PackInput& in_;
+  double morph_error_ = 0.0;
   FlatBufferBuilder b_{1 << 20};
 };
 

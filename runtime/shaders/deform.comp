@@ -26,16 +26,17 @@ void main() {
   if (frame.morphs != 0u) {
     uint entries = frame.vertices + 1u;
     for (uint i = morph_entries[v]; i < morph_entries[v + 1u]; ++i) {
-      uint word = entries + 3u * i;
-      uint morph = morph_entries[word] & 0xffffu;
+      uint word = entries + 4u * i;
+      uint morph = morph_entries[word + 3u];
       float step = morph_weights[2u * morph];
       if (step == 0.0) continue;
-      uint xy = morph_entries[word + 1u];
-      x = x + step * float(signed16(xy));
-      y = y + step * float(signed16(xy >> 16));
-      z = z + step * float(signed16(morph_entries[word] >> 16));
-      uint bend = morph_entries[word + 2u];
-      n += morph_weights[2u * morph + 1u] * vec3(float(signed8(bend)), float(signed8(bend >> 8)), float(signed8(bend >> 16)));
+      uint dx = morph_entries[word];
+      uint dy = morph_entries[word + 1u];
+      uint dz = morph_entries[word + 2u];
+      x = x + step * float(signed24(dx));
+      y = y + step * float(signed24(dy));
+      z = z + step * float(signed24(dz));
+      n += morph_weights[2u * morph + 1u] * vec3(float(signed8(dx >> 24)), float(signed8(dy >> 24)), float(signed8(dz >> 24)));
     }
   }
 

@@ -9,10 +9,12 @@
 //   vec3 normal = furrowNormal(wrinkles);          // tangent space, unit
 //
 // furrowAddLayer fetches the maps through macros that the engine defines first. They are called in divergent
-// control flow: sample with explicit gradients there.
-//   FURROW_NORMAL(uv, slice)   vec2 of TextureSet::normals
-//   FURROW_SHADING(uv, slice)  float of TextureSet::shading
-//   FURROW_MASK(uv, slice)     vec4 of TextureSet::masks; not defined: weights come times Layer::mask
+// control flow: sample with explicit gradients there. A slice may cover a part of UV space only, `at` is where
+// in it uv lies, and the gradients of `at` are those of uv times `zoom`. All textures repeat.
+//   FURROW_WINDOW(slice)             vec4 of TextureSet::windows
+//   FURROW_NORMAL(at, slice, zoom)   vec2 of TextureSet::normals
+//   FURROW_SHADING(at, slice, zoom)  float of TextureSet::shading
+//   FURROW_MASK(uv, slice)           vec4 of TextureSet::masks; not defined: weights come times Layer::mask
 // Without FURROW_NORMAL the library has no furrowAddLayer and the engine puts the functions below together
 // itself.
 //
@@ -30,6 +32,7 @@
 #define vec4 float4
 #define uvec4 uint4
 #define mix lerp
+#define fract frac
 #define inversesqrt rsqrt
 #endif
 
@@ -163,9 +166,12 @@ float furrowMaskedWeight(float weight, uvec4 slices, vec2 uv) {
 void furrowAddLayer(inout FurrowWrinkles wrinkles, float weight, uvec4 slices, vec2 uv) {
   uint slice = weight > 0.0 ? slices.x : slices.y;
   if (weight == 0.0 || slice == FURROW_NO_SLICE) return;
+  vec4 window = FURROW_WINDOW(slice);
+  vec2 at = fract(uv - window.xy) * window.zw;
+  if (max(at.x, at.y) > 1.0) return;  // beside the map, where the mask is 0
   float I = abs(furrowMaskedWeight(weight, slices, uv));
   if (I == 0.0) return;
-  furrowAddNormal(wrinkles, furrowDecodeNormal(FURROW_NORMAL(uv, slice)), I);
-  wrinkles.shading *= 1.0 - I * FURROW_SHADING(uv, slice);
+  furrowAddNormal(wrinkles, furrowDecodeNormal(FURROW_NORMAL(at, slice, window.zw)), I);
+  wrinkles.shading *= 1.0 - I * FURROW_SHADING(at, slice, window.zw);
 }
 #endif

@@ -12,6 +12,7 @@
 
 #include "asset_header.h"
 #include "furrow_generated.h"
+#include "morph_codec.h"
 #include "part_geometry.h"
 
 namespace furrow {
@@ -30,6 +31,7 @@ struct Asset::Storage {
   std::vector<TextureSet> texture_sets;
   // What morphs and layers point into; a deque does not move its elements.
   std::deque<std::vector<uint32_t>> words;
+  std::deque<std::vector<int32_t>> integers;
   std::deque<std::vector<int16_t>> shorts;
   std::deque<std::vector<int8_t>> bytes;
   std::deque<std::vector<float>> floats;
@@ -199,11 +201,13 @@ class Loader {
   }
 
   Status loadMorphs() {
-    if (!a_.morphs()) return {};
+    if (!a_.morphs() || a_.morphs()->size() == 0) return {};
     if (a_.morphs()->size() > 65535) return bad("too many morph targets");
+    std::vector<uint32_t> surface_vertex(vertices());
+    for (size_t v = 0; v < vertices(); ++v) surface_vertex[v] = s_.point_vertex[s_.vertex_point[v]];
+    const MorphPredictor predictor(s_.geometry.indices, surface_vertex);
+    std::vector<Int3> field(vertices()), deltas;
     for (const format::Morph* morph : *a_.morphs()) {
-      const size_t count = streamCount(morph->vertices());
-      if (count > vertices()) return bad("a morph target has more vertices than the mesh");
       Morph out = {bytesOf(morph->name()),
                    morph->default_weight(),
                    morph->position_step(),
@@ -215,17 +219,23 @@ class Loader {
           !std::isfinite(out.normal_step))
         return bad("a morph target's numbers are not finite");
       auto& ids = s_.words.emplace_back();
-      auto& deltas = s_.shorts.emplace_back();
-      if (Status status = decode<uint32_t>(morph->vertices(), 1, count, ids); !status.ok()) return status;
-      if (Status status = decode<int16_t>(morph->positions(), 4, count, deltas); !status.ok()) return status;
-      if (std::adjacent_find(ids.begin(), ids.end(), std::greater_equal<>()) != ids.end() ||
-          (count && ids.back() >= vertices()))
-        return bad("a morph target's vertices are out of order or range");
+      if (Status status = decodeRuns(morph->runs(), vertices(), ids); !status.ok()) return status;
+      if (Status status = decodeDeltas(morph->positions(), kPositionDeltaBits, predictor, ids, field, deltas);
+          !status.ok())
+        return status;
+      auto& positions = s_.integers.emplace_back();
+      positions.reserve(3 * ids.size());
+      for (const Int3& d : deltas) positions.insert(positions.end(), d.begin(), d.end());
       out.vertices = ids;
-      out.position_deltas = deltas;
+      out.position_deltas = positions;
       if (streamCount(morph->normals()) > 0) {
+        if (Status status = decodeDeltas(morph->normals(), kNormalDeltaBits, predictor, ids, field, deltas);
+            !status.ok())
+          return status;
         auto& normals = s_.bytes.emplace_back();
-        if (Status status = decode<int8_t>(morph->normals(), 4, count, normals); !status.ok()) return status;
+        normals.reserve(3 * ids.size());
+        for (const Int3& d : deltas)
+          for (int32_t each : d) normals.push_back(static_cast<int8_t>(each));
         out.normal_deltas = normals;
       }
       s_.morphs.push_back(out);
@@ -245,21 +255,17 @@ class Loader {
     }
     for (size_t v = 0; v < vertices(); ++v) words[v + 1] += words[v];
     std::vector<uint32_t> next(words.begin(), words.end() - 1);
-    words.resize(vertices() + 1 + 3 * entries);
+    words.resize(vertices() + 1 + 4 * entries);
     for (size_t m = 0; m < s_.morphs.size(); ++m) {
       const Morph& morph = s_.morphs[m];
       for (size_t i = 0; i < morph.vertices.size(); ++i) {
-        uint32_t* entry = &words[vertices() + 1 + 3 * size_t{next[morph.vertices[i]]++}];
-        const auto half = [&](size_t c) {
-          return uint32_t{static_cast<uint16_t>(morph.position_deltas[4 * i + c])};
-        };
-        const auto byte = [&](size_t c) {
-          return morph.normal_deltas.empty() ? 0u
-                                             : uint32_t{static_cast<uint8_t>(morph.normal_deltas[4 * i + c])};
-        };
-        entry[0] = static_cast<uint32_t>(m) | half(2) << 16;
-        entry[1] = half(0) | half(1) << 16;
-        entry[2] = byte(0) | byte(1) << 8 | byte(2) << 16;
+        uint32_t* entry = &words[vertices() + 1 + 4 * size_t{next[morph.vertices[i]]++}];
+        for (size_t c = 0; c < 3; ++c) {
+          const auto normal = morph.normal_deltas.empty() ? int8_t{0} : morph.normal_deltas[3 * i + c];
+          entry[c] = (static_cast<uint32_t>(morph.position_deltas[3 * i + c]) & 0xffffffu) |
+                     uint32_t{static_cast<uint8_t>(normal)} << 24;
+        }
+        entry[3] = static_cast<uint32_t>(m);
       }
     }
   }
@@ -276,7 +282,14 @@ class Loader {
     for (uint32_t level = 0; level < texture->levels(); ++level)
       bytes += textureLevelBytes(format, w, h, level) * texture->slices();
     if (!texture->data() || texture->data()->size() != bytes) return bad("a texture has the wrong length");
-    out = {format, w, h, texture->slices(), texture->levels(), bytesOf(texture->data())};
+    out = {format,
+           w,
+           h,
+           texture->slices(),
+           texture->levels(),
+           bytesOf(texture->data()),
+           texture->rms_error(),
+           texture->largest_error()};
     return {};
   }
 
@@ -306,6 +319,17 @@ class Loader {
         out.stretch_slice[l] = set->stretch_slice()->Get(l);
         for (uint32_t slice : {out.compress_slice[l], out.stretch_slice[l]})
           if (slice != kAbsent && slice >= out.normals.slices) return bad("a layer's map is out of range");
+      }
+      std::fill(std::begin(out.windows), std::end(out.windows), Float4{0.0f, 0.0f, 1.0f, 1.0f});
+      if (set->windows()) {
+        if (set->windows()->size() != 4 * out.normals.slices) return bad("a texture set has too few windows");
+        for (uint32_t slice = 0; slice < out.normals.slices; ++slice) {
+          const float* w = set->windows()->data() + 4 * slice;
+          for (int c = 0; c < 4; ++c)
+            if (!(w[c] >= (c < 2 ? 0.0f : 1.0f)) || !(w[c] <= (c < 2 ? 1.0f : 1e6f)))
+              return bad("a map's window is out of range");
+          out.windows[slice] = {w[0], w[1], w[2], w[3]};
+        }
       }
       s_.texture_sets.push_back(out);
     }
@@ -439,7 +463,8 @@ Status Asset::load(std::span<const std::byte> file) try {
            bytesOf(asset.rig()),
            bytesOf(asset.place_hash()),
            s.place_points,
-           asset.position_error()};
+           asset.position_error(),
+           asset.morph_error()};
   storage_ = std::move(storage);
   return {};
 } catch (const std::bad_alloc&) {

@@ -235,7 +235,7 @@ HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, floa
     const float step = job.morph_weights[run.morph] * morph.position_step;
     for (uint32_t i = run.begin; i < run.end; ++i) {
       float* p = out + 4 * size_t{clusters.morph_slots[i]};
-      const int16_t* delta = &morph.position_deltas[4 * size_t{clusters.morph_index[i]}];
+      const int32_t* delta = &morph.position_deltas[3 * size_t{clusters.morph_index[i]}];
       for (int k = 0; k < 3; ++k) p[k] = p[k] + step * static_cast<float>(delta[k]);
     }
   }

@@ -97,12 +97,12 @@ void DeformJob::run(uint32_t begin, uint32_t end) const {
     const auto first = std::lower_bound(morph.vertices.begin(), morph.vertices.end(), begin);
     for (size_t i = static_cast<size_t>(first - morph.vertices.begin());
          i < morph.vertices.size() && morph.vertices[i] < end; ++i) {
-      const int16_t* delta = &morph.position_deltas[4 * i];
+      const int32_t* delta = &morph.position_deltas[3 * i];
       Float3& p = positions[morph.vertices[i]];
       p = {p.x + step * static_cast<float>(delta[0]), p.y + step * static_cast<float>(delta[1]),
            p.z + step * static_cast<float>(delta[2])};
       if (!with_normals) continue;
-      const int8_t* bend = &morph.normal_deltas[4 * i];
+      const int8_t* bend = &morph.normal_deltas[3 * i];
       Float3& n = normals[morph.vertices[i]];
       n = {n.x + normal_step * static_cast<float>(bend[0]), n.y + normal_step * static_cast<float>(bend[1]),
            n.z + normal_step * static_cast<float>(bend[2])};

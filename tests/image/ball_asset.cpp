@@ -58,7 +58,8 @@ struct BallAsset::Arrays {
   std::vector<uint32_t> source_vertex, vertex_point, indices, surface_indices, point_vertex, ring_offsets,
       ring_triangles, morph_vertices, morph_entries;
   std::vector<uint16_t> joints, weights, ring_weights;
-  std::vector<int16_t> morph_deltas, bias;
+  std::vector<int32_t> morph_deltas;
+  std::vector<int16_t> bias;
   std::vector<float> coefficients[2];
   std::vector<uint8_t> masks[2];
   std::vector<int8_t> directions[2];
@@ -154,10 +155,10 @@ void BallAsset::Arrays::makeMorph() {
     const Float3 p = positions[v];
     const float pull = -0.45f * p.x * maskAt(0, {p.x, p.y, p.z});
     if (pull == 0.0f) continue;
-    const int16_t dx = snorm16(pull);
+    const int32_t dx = snorm16(pull);
     morph_vertices.push_back(v);
-    morph_deltas.insert(morph_deltas.end(), {dx, 0, 0, 0});
-    entries.insert(entries.end(), {0u, static_cast<uint32_t>(static_cast<uint16_t>(dx)), 0u});
+    morph_deltas.insert(morph_deltas.end(), {dx, 0, 0});
+    entries.insert(entries.end(), {static_cast<uint32_t>(dx) & 0xffffffu, 0u, 0u, 0u});
   }
   morph_entries[positions.size()] = static_cast<uint32_t>(morph_vertices.size());
   morph_entries.insert(morph_entries.end(), entries.begin(), entries.end());
@@ -243,7 +244,7 @@ void BallAsset::Arrays::makeMaps() {
   }
   normal_maps = pipeline::encode(TextureFormat::kBc5, normal_slices);
   shading_maps = pipeline::encode(TextureFormat::kBc4, shading_slices);
-  mask_maps = pipeline::encode(TextureFormat::kRgba8, {&mask, 1});
+  mask_maps = pipeline::encodeBytes(std::array{pipeline::toBytes(mask)});
   const auto view = [](const pipeline::EncodedTexture& t) {
     return Texture{t.format, t.width, t.height, t.slices, t.levels, t.data};
   };
@@ -253,6 +254,7 @@ void BallAsset::Arrays::makeMaps() {
   texture_set.masks = view(mask_maps);
   std::fill(std::begin(texture_set.compress_slice), std::end(texture_set.compress_slice), kAbsent);
   std::fill(std::begin(texture_set.stretch_slice), std::end(texture_set.stretch_slice), kAbsent);
+  std::fill(std::begin(texture_set.windows), std::end(texture_set.windows), Float4{0, 0, 1, 1});
   texture_set.compress_slice[0] = 0;
   texture_set.compress_slice[1] = 1;
   texture_set.stretch_slice[0] = 2;

@@ -111,16 +111,15 @@ Image waves(uint32_t size, glm::ivec2 count) {
 }
 
 // A normal map of the same relief, 8 bits a channel; `slope` at its steepest, for isotropic charts.
-Image waveNormals(uint32_t size, glm::ivec2 count, double slope) {
-  Image image{size, size, 3, std::vector<float>(size_t{3} * size * size)};
+Image waveSlopes(uint32_t size, glm::ivec2 count, double slope) {
+  Image image{size, size, 2, std::vector<float>(size_t{2} * size * size)};
   const glm::dvec2 k = glm::normalize(glm::dvec2(count));
   for (uint32_t y = 0; y < size; ++y)
     for (uint32_t x = 0; x < size; ++x) {
       const double phase = 2.0 * kPi * ((x + 0.5) * count.x + (y + 0.5) * count.y) / size;
-      const double s = slope * std::cos(phase);  // rows run down, green up
-      const glm::dvec3 n = glm::normalize(glm::dvec3(-s * k.x, s * k.y, 1.0));
-      for (int c = 0; c < 3; ++c)
-        image.at(x, y)[c] = static_cast<float>(std::round((n[c] * 0.5 + 0.5) * 255.0) / 255.0);
+      const double s = slope * std::cos(phase);  // rows run down, slopes up
+      image.at(x, y)[0] = static_cast<float>(-s * k.x);
+      image.at(x, y)[1] = static_cast<float>(s * k.y);
     }
   return image;
 }
@@ -147,7 +146,7 @@ TEST(ImageDirections, ASineReliefIsWithinTwoDegreesOfItsRidgesNormal) {
             tensorsOfImage(surface, all(surface), waves(256, count), ImageKind::kHeight));
         const DirectionField normals = directionsFromTensors(
             surface, all(surface),
-            tensorsOfImage(surface, all(surface), waveNormals(256, count, 0.4), ImageKind::kNormal));
+            tensorsOfImage(surface, all(surface), waveSlopes(256, count, 0.4), ImageKind::kSlopes));
         const auto wanted = [&](glm::dvec3) { return across; };
         EXPECT_LT(worst(surface, heights, wanted, kEverywhere), 2.0)
             << count.x << ' ' << count.y << ' ' << chart.name << ' ' << n;
@@ -231,8 +230,8 @@ TEST(ImageDirections, WildUvsSayNothing) {
   surface.uvs.assign(surface.uvs.size(), glm::vec2(0.5f));
   surface.uvs[0] = glm::vec2(3e38f, -3e38f);
   surface.uvs[7] = glm::vec2(1e20f);
-  for (const ImageKind kind : {ImageKind::kFlow, ImageKind::kHeight, ImageKind::kNormal})
-    for (const glm::vec3& tensor : tensorsOfImage(surface, all(surface), waveNormals(8, {1, 0}, 0.4), kind))
+  for (const ImageKind kind : {ImageKind::kFlow, ImageKind::kHeight, ImageKind::kSlopes})
+    for (const glm::vec3& tensor : tensorsOfImage(surface, all(surface), waveSlopes(8, {1, 0}, 0.4), kind))
       EXPECT_EQ(tensor, glm::vec3(0.0f));
 }
 

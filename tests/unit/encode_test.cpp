@@ -7,56 +7,10 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/unit/texture_decoder.h"
+
 namespace furrow::pipeline {
 namespace {
-
-// The eight values of a BC4 block as the formats' specification has them (Direct3D 11, "BC4 format").
-float bc4Texel(const std::byte* block, uint32_t x, uint32_t y) {
-  const auto byte = [&](int i) { return static_cast<uint64_t>(block[i]); };
-  const float a = static_cast<float>(byte(0)) / 255.0f, b = static_cast<float>(byte(1)) / 255.0f;
-  uint64_t bits = 0;
-  for (int i = 0; i < 6; ++i) {
-    bits |= byte(2 + i) << (8 * i);
-  }
-  const auto index = static_cast<int>(bits >> (3 * (4 * y + x)) & 7u);
-  if (index < 2) {
-    return index == 0 ? a : b;
-  }
-  if (byte(0) > byte(1)) {
-    return (a * static_cast<float>(8 - index) + b * static_cast<float>(index - 1)) / 7.0f;
-  }
-  if (index >= 6) {
-    return index == 6 ? 0.0f : 1.0f;
-  }
-  return (a * static_cast<float>(6 - index) + b * static_cast<float>(index - 1)) / 5.0f;
-}
-
-// One slice of one level.
-Image decode(const EncodedTexture& texture, uint32_t level, uint32_t slice) {
-  const uint32_t width = std::max(texture.width >> level, 1u), height = std::max(texture.height >> level, 1u);
-  const uint32_t channels = texture.format == TextureFormat::kBc5   ? 2
-                            : texture.format == TextureFormat::kBc4 ? 1
-                                                                    : 4;
-  size_t offset = 0;
-  for (uint32_t l = 0; l < level; ++l) {
-    offset += textureLevelBytes(texture.format, texture.width, texture.height, l) * texture.slices;
-  }
-  offset += textureLevelBytes(texture.format, texture.width, texture.height, level) * slice;
-  Image image{width, height, channels, {}};
-  for (uint32_t y = 0; y < height; ++y) {
-    for (uint32_t x = 0; x < width; ++x) {
-      for (uint32_t c = 0; c < channels; ++c) {
-        if (texture.format == TextureFormat::kRgba8) {
-          image.pixels.push_back(static_cast<float>(texture.data[offset + (y * width + x) * 4 + c]) / 255.0f);
-        } else {
-          const size_t block = offset + ((y / 4) * ((width + 3) / 4) + x / 4) * 8 * channels + 8 * c;
-          image.pixels.push_back(bc4Texel(&texture.data[block], x % 4, y % 4));
-        }
-      }
-    }
-  }
-  return image;
-}
 
 Image constant(uint32_t width, uint32_t height, std::initializer_list<float> value) {
   Image image{width, height, static_cast<uint32_t>(value.size()), {}};
@@ -83,15 +37,15 @@ Image creases(uint32_t size) {
 
 TEST(Encode, MasksArePackedToTheBit) {
   std::mt19937 random(3);
-  Image a{64, 32, 4, {}}, b = a;
+  ByteImage a{64, 32, 4, {}}, b = a;
   std::vector<uint8_t> bytes;
-  for (Image* image : {&a, &b}) {
+  for (ByteImage* image : {&a, &b}) {
     for (int i = 0; i < 64 * 32 * 4; ++i) {
       bytes.push_back(static_cast<uint8_t>(random()));
-      image->pixels.push_back(static_cast<float>(bytes.back()) / 255.0f);
+      image->pixels.push_back(bytes.back());
     }
   }
-  const EncodedTexture texture = encode(TextureFormat::kRgba8, std::array{a, b});
+  const EncodedTexture texture = encodeBytes(std::array{a, b});
   EXPECT_EQ(texture.levels, 7u);
   EXPECT_EQ(texture.slices, 2u);
   ASSERT_GE(texture.data.size(), bytes.size());
@@ -105,7 +59,7 @@ TEST(Encode, MaskMipsAreMeans) {
   Image image = constant(4, 4, {0, 0, 0, 0});
   image.at(0, 0)[3] = 1.0f;
   image.at(1, 0)[3] = 1.0f;
-  const EncodedTexture texture = encode(TextureFormat::kRgba8, std::array{image});
+  const EncodedTexture texture = encodeBytes(std::array{toBytes(image)});
   EXPECT_EQ(decode(texture, 1, 0).at(0, 0)[3], 128.0f / 255.0f);
   EXPECT_EQ(decode(texture, 2, 0).at(0, 0)[3], 32.0f / 255.0f);
   EXPECT_EQ(decode(texture, 2, 0).at(0, 0)[0], 0.0f);
@@ -169,13 +123,82 @@ TEST(Encode, NormalMipsAreMeansOfSlopes) {
   EXPECT_NEAR(back.at(3, 3)[0] * 2.0f - 1.0f, expected, 1.01f / 255.0f);
 }
 
+// A chart of one value on a ground of another: whatever level a filter reads, it finds the chart's alone.
+TEST(Encode, WhatLiesOutsideTheChartsReachesNoLevel) {
+  Image shading = constant(64, 32, {1.0f}), normal = constant(64, 32, {-0.9f, 0.2f}),
+        mask = constant(64, 32, {0, 1, 0, 1});
+  Coverage coverage(64 * 32, 0);
+  for (uint32_t y = 5; y < 18; ++y) {
+    for (uint32_t x = 23; x < 42; ++x) {
+      coverage[y * 64 + x] = 1;
+      shading.at(x, y)[0] = 0.4f;
+      normal.at(x, y)[0] = 0.6f;
+      normal.at(x, y)[1] = -0.3f;
+      mask.at(x, y)[0] = 102.0f / 255.0f;
+    }
+  }
+  const std::array cover = {coverage};
+  const EncodedTexture bc4 = encode(TextureFormat::kBc4, std::array{shading}, cover),
+                       bc5 = encode(TextureFormat::kBc5, std::array{normal}, cover, 3),
+                       rgba = encodeBytes(std::array{toBytes(mask)}, cover, 2);
+  EXPECT_EQ(bc5.data, encode(TextureFormat::kBc5, std::array{normal}, cover).data);
+  for (uint32_t level = 0; level < bc4.levels; ++level) {
+    for (const float v : decode(bc4, level, 0).pixels) {
+      ASSERT_NEAR(v, 0.4f, 0.6f / 255.0f) << level;
+    }
+    const Image normals = decode(bc5, level, 0), masks = decode(rgba, level, 0);
+    for (size_t i = 0; i < normals.pixels.size(); i += 2) {
+      ASSERT_NEAR(normals.pixels[i] * 2.0f - 1.0f, 0.6f, 1.01f / 255.0f) << level;
+      ASSERT_NEAR(normals.pixels[i + 1] * 2.0f - 1.0f, -0.3f, 1.01f / 255.0f) << level;
+    }
+    for (size_t i = 0; i < masks.pixels.size(); i += 4) {
+      ASSERT_EQ(masks.pixels[i], 102.0f / 255.0f) << level;
+    }
+  }
+}
+
+TEST(Encode, ErrorsAreThoseOfTheDecodedTexture) {
+  const Image normal = creases(64);
+  Image factor{64, 64, 1, {}};
+  for (int i = 0; i < 64 * 64; ++i) {
+    factor.pixels.push_back(0.5f + 0.5f * std::sin(static_cast<float>(i)));
+  }
+  const EncodedTexture bc5 = encode(TextureFormat::kBc5, std::array{normal}),
+                       bc4 = encode(TextureFormat::kBc4, std::array{factor});
+  const Image normal_back = decode(bc5, 0, 0), factor_back = decode(bc4, 0, 0);
+  double sum = 0.0, most = 0.0, factor_sum = 0.0, factor_most = 0.0;
+  for (size_t i = 0; i < factor.pixels.size(); ++i) {
+    const auto unit = [](double x, double y) {
+      return std::array{x, y, std::sqrt(std::max(1.0 - x * x - y * y, 1.0 / 257.0))};
+    };
+    const auto n = unit(normal.pixels[2 * i], normal.pixels[2 * i + 1]);
+    const auto m = unit(normal_back.pixels[2 * i] * 2.0 - 1.0, normal_back.pixels[2 * i + 1] * 2.0 - 1.0);
+    const double degrees = std::acos(std::min(n[0] * m[0] + n[1] * m[1] + n[2] * m[2], 1.0)) * 57.29577951;
+    sum += degrees * degrees;
+    most = std::max(most, degrees);
+    const double error = std::abs(double{factor.pixels[i]} - factor_back.pixels[i]);
+    factor_sum += error * error;
+    factor_most = std::max(factor_most, error);
+  }
+  EXPECT_NEAR(bc5.rms_error, std::sqrt(sum / 4096.0), 0.01 * bc5.rms_error);
+  EXPECT_NEAR(bc5.largest_error, most, 0.01 * most);
+  EXPECT_NEAR(bc4.rms_error, std::sqrt(factor_sum / 4096.0), 1e-5);
+  EXPECT_NEAR(bc4.largest_error, factor_most, 1e-5);
+  EXPECT_EQ(encode(TextureFormat::kBc4, std::array{constant(8, 8, {0.2f})}).largest_error, 0.0);
+}
+
 TEST(Encode, RefusesSizesAndChannelsThatDoNotFit) {
-  EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(12, 8, {0})}), std::invalid_argument);
+  EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(10, 8, {0})}), std::invalid_argument);
   EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(2, 8, {0})}), std::invalid_argument);
   EXPECT_THROW(encode(TextureFormat::kBc5, std::array{constant(8, 8, {0})}), std::invalid_argument);
   EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(8, 8, {0}), constant(4, 8, {0})}),
                std::invalid_argument);
+  EXPECT_THROW(encode(TextureFormat::kRgba8, std::array{constant(8, 8, {0, 0, 0, 0})}),
+               std::invalid_argument);
+  EXPECT_THROW(encode(TextureFormat::kBc4, std::array{constant(8, 8, {0})}, std::array{Coverage(16)}),
+               std::invalid_argument);
   EXPECT_EQ(encode(TextureFormat::kBc4, {}).slices, 0u);
+  EXPECT_EQ(encodeBytes({}).slices, 0u);
 }
 
 }  // namespace

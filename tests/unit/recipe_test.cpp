@@ -32,13 +32,13 @@ constexpr const char* kEverything = R"({
       "response": { "lambda": 0.5, "beta": 6, "stretch": { "lambda": 2, "beta": 3 } },
       "mask": { "texture": "map.png", "channel": "g" },
       "bias": { "attribute": "COLOR_0", "channel": "b", "neutral": 0.25 },
-      "compress": { "normal": "map.png", "shading": "dark.png" },
+      "compress": { "normal": "map.png", "green": "directx", "limit": 0.6, "shading": "dark.png" },
       "stretch": { "synthesize": { "preset": "cloth", "spacing": 0.004, "depth": 0.0005, "seed": 7 }, "shading": "map.png" },
       "drivers": [ { "morph": "browInnerUp", "gain": -0.5 }, { "morph": "squint" } ] },
     { "name": "cheeks",
       "direction": { "attribute": "_FLOW" },
       "mask": { "attribute": "COLOR_1", "channel": "a" },
-      "compress": { "height": "map.png", "depth": 0.25 },
+      "compress": { "height": "map.png", "depth": 0.25, "light": [0, 6, 8] },
       "stretch": "none" },
     { "name": "neck", "direction": { "animation": {} }, "mask": "none", "response": { "fit": 0.75 } },
     { "name": "chin", "direction": { "texture": "map.png" } },
@@ -117,13 +117,16 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(a.bias->channel, 2u);
   EXPECT_EQ(a.bias->neutral, 0.25);
   EXPECT_EQ(std::get<MapNormal>(a.compress).texture, folder_ / "map.png");
-  EXPECT_EQ(a.compress_shading, folder_ / "dark.png");
+  EXPECT_EQ(std::get<MapNormal>(a.compress).green, Green::kDirectX);
+  EXPECT_EQ(a.compress_finish.shading, folder_ / "dark.png");
+  EXPECT_EQ(a.compress_finish.limit, 0.6);
+  EXPECT_FALSE(a.compress_finish.light);
   const MapSynthesized& map = std::get<MapSynthesized>(a.stretch);
   EXPECT_EQ(map.preset, Preset::kCloth);
   EXPECT_EQ(map.spacing, 0.004);
   EXPECT_EQ(map.depth, 0.0005);
   EXPECT_EQ(map.seed, 7u);
-  EXPECT_EQ(a.stretch_shading, folder_ / "map.png");
+  EXPECT_EQ(a.stretch_finish.shading, folder_ / "map.png");
   ASSERT_EQ(a.drivers.size(), 2u);
   EXPECT_EQ(a.drivers[0].morph, "browInnerUp");
   EXPECT_EQ(a.drivers[0].gain, -0.5);
@@ -135,6 +138,9 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(std::get<MaskAttribute>(b.mask).channel, 3u);
   EXPECT_EQ(std::get<MapHeight>(b.compress).texture, folder_ / "map.png");
   EXPECT_EQ(std::get<MapHeight>(b.compress).depth, 0.25);
+  ASSERT_TRUE(b.compress_finish.light);
+  EXPECT_THAT(*b.compress_finish.light, ElementsAre(0.0, 0.6, 0.8));
+  EXPECT_EQ(b.compress_finish.limit, 1.0);
   EXPECT_TRUE(std::holds_alternative<MapNone>(b.stretch));
   EXPECT_TRUE(std::holds_alternative<DirectionAnimation>(recipe.layers[2].direction));
   EXPECT_TRUE(std::holds_alternative<MaskNone>(recipe.layers[2].mask));

@@ -239,8 +239,9 @@ TEST_F(ShadeTest, LostLengthIsSlopeVariance) {
 // mask.
 TEST_F(ShadeTest, AddLayerPicksMapsAndMask) {
   const std::string maps =
-      "#define FURROW_NORMAL(uv, slice) (slice == 3u ? vec2(0.8, 0.5) : vec2(0.5, 0.8))\n"
-      "#define FURROW_SHADING(uv, slice) (slice == 3u ? 0.5 : 0.25)\n"
+      "#define FURROW_WINDOW(slice) vec4(0.0, 0.0, 1.0, 1.0)\n"
+      "#define FURROW_NORMAL(at, slice, zoom) (slice == 3u ? vec2(0.8, 0.5) : vec2(0.5, 0.8))\n"
+      "#define FURROW_SHADING(at, slice, zoom) (slice == 3u ? 0.5 : 0.25)\n"
       "#define FURROW_MASK(uv, slice) (vec4(0.0, 0.5, 0.0, 1.0) * float(slice))\n";
   const std::string layer =
       "FurrowWrinkles w = furrowBegin(vec3(0, 0, 1)); furrowAddLayer(w, v.x, uvec4(3u, v.z > 0.0 ? 4u : "
@@ -259,6 +260,34 @@ TEST_F(ShadeTest, AddLayerPicksMapsAndMask) {
     EXPECT_EQ(r[i].z, 1.0f);
   }
   EXPECT_NEAR(r[4].x, 0.1875f, 1e-5f);
+}
+
+// A map that covers u from 0.9 over a fifth, across the border of the unit square, and v from 0.25 over a
+// half.
+TEST_F(ShadeTest, AddLayerLooksIntoTheWindowOfAMap) {
+  const std::string maps =
+      "vec2 seen, zoomed;\n"
+      "#define FURROW_WINDOW(slice) vec4(0.9, 0.25, 5.0, 2.0)\n"
+      "#define FURROW_NORMAL(at, slice, zoom) (seen = at, zoomed = zoom, vec2(0.8, 0.5))\n"
+      "#define FURROW_SHADING(at, slice, zoom) 0.5\n";
+  const std::string layer =
+      "seen = vec2(-1); zoomed = vec2(0); FurrowWrinkles w = furrowBegin(vec3(0, 0, 1)); furrowAddLayer(w, "
+      "1.0, "
+      "uvec4(0u, 0u, 0u, 0u), v.xy); return vec4(seen, zoomed);";
+  const auto r = run({{0.95f, 0.5f, 0, 0},
+                      {0.05f, 0.5f, 0, 0},
+                      {-0.95f, 1.3f, 0, 0},
+                      {0.5f, 0.5f, 0, 0},
+                      {0.95f, 0.2f, 0, 0}},
+                     layer, maps);
+  EXPECT_NEAR(r[0].x, 0.25f, 1e-5f);
+  EXPECT_NEAR(r[0].y, 0.5f, 1e-5f);
+  EXPECT_EQ(r[0].z, 5.0f);
+  EXPECT_EQ(r[0].w, 2.0f);
+  EXPECT_NEAR(r[1].x, 0.75f, 1e-5f);
+  EXPECT_NEAR(r[2].x, 0.75f, 1e-5f);
+  EXPECT_NEAR(r[2].y, 0.1f, 1e-5f);
+  for (size_t i : {3, 4}) EXPECT_EQ(r[i].x, -1.0f);  // beside it
 }
 
 TEST_F(ShadeTest, EveryCombinationCompilesAndAgreesOnOneLayer) {

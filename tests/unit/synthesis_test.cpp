@@ -30,7 +30,7 @@ const std::vector<uint32_t> kPart = {0};
 
 SynthesizedMaps draw(const Surface& surface, const LayerField& field, const SynthesisSettings& settings,
                      uint32_t size, uint32_t threads = 2) {
-  return Synthesis(surface, field, settings).draw(kPart, size, threads);
+  return Synthesis(surface, field, settings).draw(mapTexels(surface, kPart, {size, size}, 4), threads);
 }
 
 SynthesisSettings skin(double spacing) {
@@ -61,8 +61,15 @@ double period(const Image& height, bool along_x) {
 }
 
 class Presets : public testing::TestWithParam<Preset> {};
-INSTANTIATE_TEST_SUITE_P(, Presets, testing::Values(Preset::kSkin, Preset::kCloth),
-                         [](const auto& preset) { return preset.param == Preset::kSkin ? "Skin" : "Cloth"; });
+std::string nameOf(const testing::TestParamInfo<Preset>& preset) {
+  const std::vector<std::string> names = {"skin", "skin_fine", "cloth", "cloth_puckers"};
+  return names.at(static_cast<size_t>(preset.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(, Presets,
+                         testing::Values(Preset::kSkin, Preset::kSkinFine, Preset::kCloth,
+                                         Preset::kClothPuckers),
+                         nameOf);
 
 TEST_P(Presets, RidgesLieAcrossTheDirectionAtTheirSpacing) {
   const Surface surface = sheet();
@@ -205,7 +212,8 @@ TEST(Synthesis, TheSameAtAnySize) {
   const Surface surface = sheet();
   const auto field = along(surface, {0.2f, 1, 0});
   const Synthesis synthesis(surface, field, skin(0.08));
-  const SynthesizedMaps small = synthesis.draw(kPart, 512, 2), large = synthesis.draw(kPart, 1024, 2);
+  const SynthesizedMaps small = synthesis.draw(mapTexels(surface, kPart, {512, 512}, 4), 2),
+                        large = synthesis.draw(mapTexels(surface, kPart, {1024, 1024}, 4), 2);
   for (uint32_t y = 0; y < 512; ++y) {
     for (uint32_t x = 0; x < 512; ++x) {
       const float mean =

@@ -55,7 +55,8 @@ FURROW_BLOCK(Material) {
   uint pad0;
   uint pad1;
   uint pad2;
-  uvec4 slices[kMaxPreviewLayers];  // as furrow_shade.glsl takes them
+  uvec4 slices[kMaxPreviewLayers];       // as furrow_shade.glsl takes them
+  vec4 windows[2u * kMaxPreviewLayers];  // a slice of the maps
 }
 FURROW_INSTANCE(material);
 
@@ -63,6 +64,6 @@ FURROW_INSTANCE(material);
 #undef FURROW_BLOCK
 #undef FURROW_INSTANCE
 #undef FURROW_CONSTANT
-static_assert(sizeof(Scene) == 240 && sizeof(Material) == 32 + 16 * kMaxPreviewLayers);
+static_assert(sizeof(Scene) == 240 && sizeof(Material) == 32 + 48 * kMaxPreviewLayers);
 }  // namespace furrow::preview::gpu
 #endif

@@ -14,6 +14,9 @@ uniform sampler2DArray shading_maps;
 uniform sampler2DArray mask_maps;
 
 vec2 uv_dx, uv_dy;
-#define FURROW_NORMAL(uv, slice) textureGrad(normal_maps, vec3(uv, float(slice)), uv_dx, uv_dy).xy
-#define FURROW_SHADING(uv, slice) textureGrad(shading_maps, vec3(uv, float(slice)), uv_dx, uv_dy).x
+#define FURROW_WINDOW(slice) material.windows[slice]
+#define FURROW_NORMAL(at, slice, zoom) \
+  textureGrad(normal_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).xy
+#define FURROW_SHADING(at, slice, zoom) \
+  textureGrad(shading_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).x
 #define FURROW_MASK(uv, slice) textureGrad(mask_maps, vec3(uv, float(slice)), uv_dx, uv_dy)

@@ -14,7 +14,7 @@
 namespace furrow {
 
 inline constexpr uint32_t kFormatVersion =
-    1;  // bumped, never renumbered; docs/format.md says what each version changed
+    2;  // bumped, never renumbered; docs/format.md says what each version changed
 inline constexpr uint32_t kMaxLayers = 16;
 inline constexpr uint32_t kMaxPaletteEntries = 65536;
 
@@ -69,8 +69,8 @@ struct Morph {
   float default_weight;
   float position_step, normal_step;
   std::span<const uint32_t> vertices;
-  std::span<const int16_t> position_deltas;  // 4 a vertex, the fourth 0
-  std::span<const int8_t> normal_deltas;     // 4 a vertex, the fourth 0; empty if the target has none
+  std::span<const int32_t> position_deltas;  // 3 a vertex, of 24 bits
+  std::span<const int8_t> normal_deltas;     // 3 a vertex; empty if the target has none
 };
 
 struct Layer {
@@ -105,6 +105,9 @@ struct Texture {
   TextureFormat format;
   uint32_t width, height, slices, levels;
   std::span<const std::byte> data;  // tightly packed: all slices of level 0, then of level 1, ...
+  // What the encoding cost, measured by the cook in level 0: degrees between normals (BC5), of the factor
+  // (BC4), 0 for masks, which are stored to the bit.
+  float rms_error = 0.0f, largest_error = 0.0f;
 };
 
 // The maps of the parts that share one UV space (one material). Per layer, a slice of `normals` and of
@@ -117,6 +120,9 @@ struct TextureSet {
   Texture masks;    // RGBA8: four layers a slice; slices 0: use Layer::mask
   uint32_t compress_slice[kMaxLayers];
   uint32_t stretch_slice[kMaxLayers];
+  // A slice of `normals` and `shading`: the part of UV space it covers, as its low corner and 1 / its extent:
+  // uv is found at fract(uv - xy) * zw, and outside the map where that exceeds 1 (there is no wrinkle there).
+  Float4 windows[2 * kMaxLayers];
 };
 
 constexpr uint32_t coefficientCount(Measure measure) {
@@ -151,9 +157,9 @@ struct AssetView {
   std::span<const uint32_t> ring_triangles;
   std::span<const uint16_t> ring_weights;  // rest angles; each ring sums to exactly 65535
 
-  // Morph deltas once more, gathered by vertex for the GPU: vertices + 1 offsets, then entries of 3 words.
-  // Vertex v owns the entries [offset[v], offset[v + 1]), by ascending morph: morph | z << 16, x | y << 16
-  // (int16 steps), normal x | y << 8 | z << 16 (int8 steps).
+  // Morph deltas once more, gathered by vertex for the GPU: vertices + 1 offsets, then entries of 4 words.
+  // Vertex v owns the entries [offset[v], offset[v + 1]), by ascending morph: for x, y and z a word of
+  // position (24 bits, in steps) | normal << 24 (8 bits, in steps), then the morph.
   std::span<const uint32_t> morph_entries;  // empty without morphs
 
   std::span<const Part> parts;
@@ -168,7 +174,9 @@ struct AssetView {
   std::span<const std::byte> rig;  // the section the pipeline's tools read nodes and clips from; opaque here
   std::span<const std::byte> place_hash;   // the section PlaceHash reads
   std::span<const uint32_t> place_points;  // 2 a place: its first point, how many points
-  float position_error;  // measured by the cook: largest |asset - source| at rest, in root space
+  // Measured by the cook, in root space: largest |asset - source| of a vertex at rest, and of the
+  // displacement of a vertex by a morph target at weight 1.
+  float position_error, morph_error;
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }
   uint32_t triangleCount() const { return static_cast<uint32_t>(indices.size() / 3); }

@@ -1,0 +1,48 @@
+#pragma once
+
+// A loop that several threads share.
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace furrow::pipeline {
+
+// run(i) for every i below `count`, on up to `threads` threads, this one among them. Of the exceptions that
+// are thrown, that of the lowest i is passed on.
+template <class Run>
+void parallelFor(uint32_t count, uint32_t threads, const Run& run) {
+  std::atomic<uint32_t> next = 0;
+  std::mutex mutex;
+  std::exception_ptr error;
+  uint32_t failed = count;
+  const auto work = [&] {
+    for (uint32_t i = next++; i < count; i = next++) {
+      try {
+        run(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (i < failed) {
+          failed = i;
+          error = std::current_exception();
+        }
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (uint32_t i = 1; i < std::min(threads, count); ++i) {
+      others.emplace_back(work);
+    }
+    work();
+  }
+  if (error) {
+    std::rethrow_exception(error);
+  }
+}
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,190 @@
+#include "pipeline/map_bake.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "pipeline/bake/tangents.h"
+#include "tests/unit/texture_decoder.h"
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr uint32_t kCells = 64;
+
+// A unit sheet in z = 0 whose UVs fill the unit square, shifted by `shift`; every layer's d is +x.
+struct Sheet {
+  SourceScene scene;
+  Surface surface;
+  std::vector<uint32_t> source_vertex;
+  Squeeze squeeze;
+  MaskImages masks;
+  Recipe recipe;
+  std::vector<BakedLayer> layers;
+  std::vector<std::filesystem::path> dependencies;
+
+  explicit Sheet(float shift = 0.0f) {
+    scene.parts.resize(1);
+    for (uint32_t i = 0; i <= kCells * (kCells + 2); ++i) {
+      const uint32_t row = i / (kCells + 1), column = i % (kCells + 1);
+      if (row > kCells) break;
+      const float u = static_cast<float>(column) / kCells, v = static_cast<float>(row) / kCells;
+      surface.positions.emplace_back(u, 1.0f - v, 0.0f);
+      surface.normals.emplace_back(0, 0, 1);
+      surface.uvs.emplace_back(u + shift, v);
+      surface.vertex_point.push_back(i);
+      if (row < kCells && column < kCells) {
+        const uint32_t below = i + kCells + 1;
+        surface.triangles.emplace_back(i, below, i + 1);
+        surface.triangles.emplace_back(i + 1, below, below + 1);
+      }
+    }
+    surface.point_positions = surface.positions;
+    surface.point_normals = surface.normals;
+    surface.tangents = tangents(surface.positions, surface.normals, surface.uvs, surface.triangles);
+    SurfacePart part;
+    part.vertex_end = static_cast<uint32_t>(surface.positions.size());
+    part.triangle_end = static_cast<uint32_t>(surface.triangles.size());
+    part.has_uvs = true;
+    surface.parts = {part};
+    squeeze.peak.assign(surface.triangles.size(), 0.0f);
+  }
+
+  // A synthesised layer that reaches the points where `reaches(x, y)`.
+  template <class Reaches>
+  void add(const Reaches& reaches, double spacing) {
+    LayerRecipe layer;
+    layer.name = "layer " + std::to_string(layers.size());
+    MapSynthesized map;
+    map.preset = Preset::kSkin;
+    map.spacing = spacing;
+    map.depth = spacing / 8.0;
+    layer.compress = map;
+    recipe.layers.push_back(layer);
+    BakedLayer baked;
+    baked.covered.assign(surface.triangles.size(), true);
+    for (const glm::vec3& p : surface.point_positions) {
+      baked.field.direction.emplace_back(1, 0, 0);
+      baked.field.confidence.push_back(1.0f);
+      baked.field.strength.push_back(reaches(p.x, p.y) ? 1.0f : 0.0f);
+    }
+    layers.push_back(std::move(baked));
+  }
+
+  BakedTextureSet bake(uint32_t threads = 2) {
+    auto sets = bakeMaps({scene, surface, source_vertex, squeeze, masks, "recipe.json"}, recipe, layers,
+                         threads, dependencies);
+    EXPECT_EQ(sets.size(), 1u);
+    return std::move(sets.at(0));
+  }
+};
+
+const auto kEverywhere = [](float, float) { return true; };
+
+// The texel of a slice that shows a place of UV space, as shaders find it; none beside the window.
+const float* texelAt(const BakedTextureSet& set, const Image& image, uint32_t slice, glm::vec2 uv) {
+  const glm::vec4 window = set.windows.at(slice);
+  const glm::vec2 at = glm::vec2(glm::fract(uv - glm::vec2(window))) * glm::vec2(window.z, window.w);
+  if (std::max(at.x, at.y) >= 1.0f) return nullptr;
+  return image.at(static_cast<uint32_t>(at.x * static_cast<float>(image.width)),
+                  static_cast<uint32_t>(at.y * static_cast<float>(image.height)));
+}
+
+TEST(MapBake, ALayerThatReachesEverythingHasTheWholeOfUvSpace) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.1);
+  const BakedTextureSet set = sheet.bake();
+  EXPECT_EQ(set.windows.at(0), glm::vec4(0, 0, 1, 1));
+  EXPECT_EQ(set.normals.width, 128u);  // 12 texels a spacing, in steps of 64
+  EXPECT_EQ(set.normals.height, 128u);
+  EXPECT_EQ(set.masks.width, 512u);
+}
+
+// A patch on the border of the unit square: its map is smaller than the whole, goes over the border, has
+// every texel that the mask lets through, and shows the same wrinkles there.
+TEST(MapBake, AWindowHoldsAllThatItsMaskLetsThrough) {
+  for (const float shift : {0.0f, 0.8f}) {
+    const auto patch = [](float x, float y) { return std::hypot(x - 0.25f, y - 0.5f) < 0.15f; };
+    Sheet small(shift), whole(shift);
+    small.add(patch, 0.02);
+    whole.add(kEverywhere, 0.02);
+    const BakedTextureSet a = small.bake(), b = whole.bake();
+    EXPECT_LT(a.normals.width * a.normals.height, b.normals.width * b.normals.height / 4);
+    EXPECT_LT(a.normals.data.size() * 3, b.normals.data.size());
+    const Image mask = decode(a.masks, 0, 0), normals = decode(a.normals, 0, 0),
+                shading = decode(a.shading, 0, 0);
+    double relief = 0.0;
+    for (uint32_t y = 0; y < mask.height; ++y)
+      for (uint32_t x = 0; x < mask.width; ++x) {
+        if (mask.at(x, y)[0] == 0.0f) continue;
+        const glm::vec2 uv = (glm::vec2(x, y) + 0.5f) / 512.0f;
+        const float* texel = texelAt(a, normals, 0, uv);
+        ASSERT_TRUE(texel) << uv.x << ' ' << uv.y;
+        relief += std::abs(texel[0] - 0.5f);
+      }
+    EXPECT_GT(relief, 100.0);
+  }
+}
+
+TEST(MapBake, LayersOfOneSetHaveWindowsOfTheirOwn) {
+  Sheet sheet;
+  sheet.add([](float x, float) { return x < 0.2f; }, 0.02);
+  sheet.add([](float, float y) { return y < 0.2f; }, 0.02);
+  sheet.add([](float x, float y) { return std::max(x, y) < 0.0f; }, 0.02);  // nowhere
+  const BakedTextureSet set = sheet.bake();
+  ASSERT_EQ(set.normals.slices, 2u);
+  EXPECT_EQ(set.compress_slice, (std::vector<uint32_t>{0, 1, kAbsent}));
+  EXPECT_GT(set.windows[0].z, 3.0f);
+  EXPECT_EQ(set.windows[0].w, 1.0f);
+  EXPECT_EQ(set.windows[1].z, 1.0f);
+  EXPECT_GT(set.windows[1].w, 3.0f);
+}
+
+TEST(MapBake, TheSameBytesOnAnyNumberOfThreads) {
+  Sheet sheet;
+  sheet.add([](float x, float y) { return x * y < 0.2f; }, 0.03);
+  const BakedTextureSet one = sheet.bake(1), three = sheet.bake(3);
+  EXPECT_EQ(one.normals.data, three.normals.data);
+  EXPECT_EQ(one.shading.data, three.shading.data);
+  EXPECT_EQ(one.masks.data, three.masks.data);
+}
+
+TEST(MapBake, WrinklesAreDeepestWhereTheClipsSqueezeMost) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.05);
+  for (size_t t = 0; t < sheet.surface.triangles.size(); ++t)
+    sheet.squeeze.peak[t] = sheet.surface.positions[sheet.surface.triangles[t].x].x < 0.5f ? 0.4f : 0.04f;
+  sheet.squeeze.by_clips = 1.0;
+  const BakedTextureSet set = sheet.bake();
+  const Image normals = decode(set.normals, 0, 0);
+  double left = 0.0, right = 0.0;
+  for (uint32_t y = 0; y < normals.height; ++y)
+    for (uint32_t x = 0; x < normals.width; ++x)
+      (x < normals.width / 2 ? left : right) += std::abs(normals.at(x, y)[0] - 0.5f);
+  EXPECT_GT(left, 1.6 * right);
+  EXPECT_GT(right, 0.3 * left);
+}
+
+TEST(MapBake, PaintedMasksArriveToTheBitAtTheirSize) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.1);
+  sheet.add(kEverywhere, 0.1);
+  ByteImage painted{640, 600, 3, {}};
+  std::mt19937 random(1);
+  for (size_t i = 0; i < size_t{640} * 600 * 3; ++i) painted.pixels.push_back(static_cast<uint8_t>(random()));
+  sheet.masks["painted.png"] = painted;
+  sheet.recipe.layers[1].mask = MaskTexture{"painted.png", 2};
+  const BakedTextureSet set = sheet.bake();
+  ASSERT_EQ(set.masks.width, 640u);
+  ASSERT_EQ(set.masks.height, 600u);
+  for (size_t i = 0; i < size_t{640} * 600; ++i) {
+    ASSERT_EQ(static_cast<uint8_t>(set.masks.data[4 * i]), 255);
+    ASSERT_EQ(static_cast<uint8_t>(set.masks.data[4 * i + 1]), painted.pixels[3 * i + 2]);
+    ASSERT_EQ(static_cast<uint8_t>(set.masks.data[4 * i + 2]), 0);
+  }
+}
+
+}  // namespace
+}  // namespace furrow::pipeline
