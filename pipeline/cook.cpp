@@ -69,9 +69,10 @@ class Cook {
     const MaskImages masks = maskImages();
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, recipe_file_};
     std::vector<BakedLayer> layers;
-    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer));
+    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
     resolveNames();
     fitResponses(rings, layers);
+    reportConfidence(squeeze, layers);
     for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
@@ -413,6 +414,19 @@ class Cook {
                                          layers[fitted[i]].field.strength, alpha[i]));
     }
     for (size_t l = 0; l < layers.size(); ++l) report_.layers[l].response = recipe_.layers[l].response;
+  }
+
+  void reportConfidence(const Squeeze& squeeze, const std::vector<BakedLayer>& layers) {
+    constexpr double kMuch = 0.5;
+    for (size_t l = 0; l < layers.size(); ++l) {
+      const LayerRecipe& layer = recipe_.layers[l];
+      const double unsure = report_.layers[l].low_confidence = layers[l].unsure;
+      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !squeeze.any();
+      if (unsure > kMuch && !still)
+        warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
+             std::to_string(std::lround(100.0 * unsure)) +
+             "% of its surface: see --view confidence, and draw guide curves or mask that part");
+    }
   }
 
   void fitLayer(size_t l, double alpha) {

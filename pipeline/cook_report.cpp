@@ -16,8 +16,10 @@ std::string reportText(const CookReport& report, const std::string& asset) {
   }
   json layers = json::array();
   for (const LayerReport& layer : report.layers) {
-    json& out = layers.emplace_back(
-        json{{"name", layer.name}, {"lambda", layer.response.lambda}, {"beta", layer.response.beta}});
+    json& out = layers.emplace_back(json{{"name", layer.name},
+                                         {"lambda", layer.response.lambda},
+                                         {"beta", layer.response.beta},
+                                         {"lowConfidence", layer.low_confidence}});
     if (layer.fit)
       out["fit"] = {
           {"target", layer.fit->target}, {"alpha", layer.fit->alpha}, {"weight", layer.fit->weight}};

@@ -26,6 +26,8 @@ struct LayerReport {
     double weight;  // what the response makes of it
   };
   std::optional<Fit> fit;  // none: lambda and beta were given
+  // Share of the area under its mask where its direction is little more than a guess.
+  double low_confidence = 0.0;
 };
 
 // A texture of the asset, its errors as furrow::Texture has them.

@@ -131,7 +131,14 @@ class Reader {
   }
 
   Direction direction(const json& j, const std::string& at) const {
+    if (j == "map") return DirectionMap{};
     if (j.is_string() || j.contains("animation")) return DirectionAnimation{};
+    if (j.contains("texture")) return DirectionTexture{path(j["texture"])};
+    if (j.contains("guides")) {
+      const json& guides = j["guides"];
+      if (guides.is_object()) return DirectionGuides{{}, guides["lines"].get<std::string>()};
+      return DirectionGuides{guides.get<std::vector<std::vector<std::array<double, 3>>>>(), {}};
+    }
     if (j.contains("attribute")) return DirectionAttribute{j["attribute"].get<std::string>()};
     return DirectionAxis{unit(j["axis"], at + ".axis", "give the direction across the creases")};
   }

@@ -39,7 +39,17 @@ struct DirectionAxis {
 struct DirectionAttribute {
   std::string name;  // a 3-component vertex attribute, in the mesh's space
 };
-using Direction = std::variant<DirectionAnimation, DirectionAxis, DirectionAttribute>;
+struct DirectionTexture {
+  std::filesystem::path texture;  // absolute; a flow map, see ImageKind::kFlow
+};
+struct DirectionMap {};   // the structure of the layer's own `compress`, a normal or height map
+struct DirectionGuides {  // ALONG the creases
+  std::vector<std::vector<std::array<double, 3>>>
+      curves;         // poly-lines of 2 or more points in root space at rest
+  std::string lines;  // or, if not empty, a mesh or node of SourceScene::lines
+};
+using Direction = std::variant<DirectionAnimation, DirectionAxis, DirectionAttribute, DirectionTexture,
+                               DirectionMap, DirectionGuides>;
 
 struct MaskTexture {
   std::filesystem::path texture;  // absolute

@@ -39,11 +39,17 @@ class Writer {
     return "bind";
   }
 
-  static json direction(const Direction& direction) {
+  json direction(const Direction& direction) const {
     if (const auto* axis = std::get_if<DirectionAxis>(&direction)) return {{"axis", axis->axis}};
     if (const auto* attribute = std::get_if<DirectionAttribute>(&direction))
       return {{"attribute", attribute->name}};
-    return "animation";
+    if (const auto* texture = std::get_if<DirectionTexture>(&direction))
+      return {{"texture", path(texture->texture)}};
+    if (const auto* guides = std::get_if<DirectionGuides>(&direction)) {
+      if (!guides->lines.empty()) return {{"guides", {{"lines", guides->lines}}}};
+      return {{"guides", guides->curves}};
+    }
+    return std::holds_alternative<DirectionMap>(direction) ? "map" : "animation";
   }
 
   static const char* measure(Measure measure) {
