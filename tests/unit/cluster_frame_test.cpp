@@ -141,7 +141,7 @@ TEST(ClusterFrame, EveryPointIsOwnedOnceAndRingsAreWhole) {
   uint32_t triangles = 0, slots = 0;
   for (const Cluster& c : clusters.clusters) {
     EXPECT_LE(c.points, kClusterPoints);
-    for (uint32_t s = 0; s < c.vertices; ++s) owned.insert(clusters.slot_vertex[c.slot_begin + s]);
+    for (uint32_t s = 0; s < c.vertices; ++s) owned.insert(clusters.words[c.slot_vertex + s]);
     triangles += c.triangles;
     slots += c.slots;
   }
