@@ -441,10 +441,9 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
         scratch.bias[i] = static_cast<float>(layer.bias[vertex[i]]) * (1.0f / 32767.0f);
     const Response& response = job.responses.empty() ? layer.response : job.responses[l];
     const float region = job.region_weights.empty() ? 0.0f : job.region_weights[l];
-    if (response.curve == Curve::kOat)
-      respondBlock(OatCurve(), scratch.q, scratch.bias, region, c.vertices, scratch.weights);
-    else
-      respondBlock(LarssonCurve(response), scratch.q, scratch.bias, region, c.vertices, scratch.weights);
+    withCurve(response, [&](const auto& curve) {
+      respondBlock(curve, scratch.q, scratch.bias, region, c.vertices, scratch.weights);
+    });
     for (uint32_t i = 0; i < c.vertices; ++i) job.weights[vertex[i] * stride + l] = scratch.weights[i];
   }
 }
