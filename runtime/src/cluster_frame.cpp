@@ -169,7 +169,7 @@ HWY_INLINE RingLanes widened(const uint16_t* p) {
   return hn::ConvertTo(DRing(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
 }
 HWY_INLINE Block gather4(const float* from, const uint16_t* index) {
-#if HWY_ARCH_X86  // four loads: gather instructions are slower on most CPUs
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128  // four loads: gather instructions are slower on most CPUs
   uint64_t four;
   std::memcpy(&four, index, sizeof four);
   return Block{_mm_setr_ps(from[four & 0xffff], from[four >> 16 & 0xffff], from[four >> 32 & 0xffff],
