@@ -786,6 +786,22 @@ Clip performance(uint32_t node) {
   return clip;
 }
 
+// Guide curves along the creases of the forehead: dipping between the brows, arching over them, falling off
+// to the temples.
+Mesh foreheadLines() {
+  Mesh mesh;
+  mesh.name = "ForeheadLines";
+  for (const double height : {2.9, 3.9, 4.9, 5.9}) {
+    std::vector<glm::vec3>& line = mesh.lines.emplace_back();
+    for (int i = -28; i <= 28; ++i) {
+      const double x = 0.2 * i;
+      const double arch = 0.5 * std::pow(std::sin(kPi * x / 6.4), 2) - 0.02 * x * x;
+      line.emplace_back(0.01 * head::trace({x, height + arch, 8}, {0, 0, -1}));
+    }
+  }
+  return mesh;
+}
+
 }  // namespace
 
 Scene buildFace() {
@@ -804,11 +820,12 @@ Scene buildFace() {
   for (std::string_view name : expressionNames()) face.morphs.emplace_back(name);
   face.primitives = primitives(skin);
   for (Primitive& primitive : primitives(hood())) face.primitives.push_back(std::move(primitive));
-  scene.meshes = {std::move(face), eyeball()};
+  scene.meshes = {std::move(face), eyeball(), foreheadLines()};
   scene.nodes = {{"Head", -1, {}},
                  {"Face", 0, {}, 0},
                  {"EyeLeft", 0, glm::vec3(head::kEye * 0.01), 1},
-                 {"EyeRight", 0, glm::vec3(head::kEye * dvec3(-0.01, 0.01, 0.01)), 1}};
+                 {"EyeRight", 0, glm::vec3(head::kEye * dvec3(-0.01, 0.01, 0.01)), 1},
+                 {"ForeheadLines", 0, {}, 2}};
   scene.clips = {performance(1)};
   return scene;
 }

@@ -149,6 +149,11 @@ class Writer {
       mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"targetNames", tinygltf::Value(names)}});
     }
     for (const Primitive& p : source.primitives) mesh.primitives.push_back(primitive(p));
+    for (const std::vector<glm::vec3>& line : source.lines) {
+      tinygltf::Primitive& strip = mesh.primitives.emplace_back();
+      strip.mode = TINYGLTF_MODE_LINE_STRIP;
+      strip.attributes["POSITION"] = addPositions(line);
+    }
     model_.meshes.push_back(mesh);
   }
 

@@ -46,6 +46,7 @@ struct Mesh {
   std::string name;
   std::vector<std::string> morphs;
   std::vector<Primitive> primitives;
+  std::vector<std::vector<glm::vec3>> lines;  // line strips
 };
 
 struct Node {

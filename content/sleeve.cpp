@@ -205,7 +205,7 @@ Scene buildSleeve() {
                  {"foreArmTwist", 2, glm::vec3(0.10f, 0.0f, -static_cast<float>(kElbowJoint.z))},
                  {"hand", 3, glm::vec3(kWrist - kElbow - 0.10, 0.0, 0.0)}};
   scene.joints = {1, 2, 3, 4};
-  scene.meshes = {{"Sleeve", {}, {cloth()}}, {"Arm", {}, {arm()}}};
+  scene.meshes = {{"Sleeve", {}, {cloth()}, {}}, {"Arm", {}, {arm()}, {}}};
   scene.nodes.push_back({"Sleeve", -1, {}, 0, true});
   scene.nodes.push_back({"Arm", -1, {}, 1, true});
   // The forearm comes forward about -Y; it turns about its own length, half in each of the two joints.

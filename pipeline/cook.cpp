@@ -10,6 +10,7 @@
 #include <set>
 #include <span>
 
+#include "pipeline/arkit.h"
 #include "pipeline/bake/response_fit.h"
 #include "pipeline/bake/rest_view.h"
 #include "pipeline/bake/squeeze.h"
@@ -48,8 +49,9 @@ class Cook {
       dependencies_ = file.dependencies;
     }
     stage("welding");
+    weldVertices();
     std::vector<glm::vec3> source_rest = restFloats();
-    weld_ = weld(scene_, source_rest);
+    inspectTriangles(source_rest);
     stage("packing geometry");
     packParts();
     makeSurface(source_rest);
@@ -68,9 +70,10 @@ class Cook {
     const MaskImages masks = maskImages();
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, recipe_file_};
     std::vector<BakedLayer> layers;
-    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer));
+    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
     resolveNames();
     fitResponses(rings, layers);
+    reportConfidence(squeeze, layers);
     for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
     std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
@@ -123,21 +126,70 @@ class Cook {
 
   void check() {
     report_.warnings = scene_.warnings;
-    if (recipe_.weld_tolerance != 0.0)
-      throw Error(Exit::kBadData, recipe_file_,
-                  "weld.tolerance: only 0 (exact positions) is supported in this version", "remove it");
-    for (const LayerRecipe& layer : recipe_.layers)
-      for (const DriverRecipe& driver : layer.drivers) {
-        std::vector<std::string> names;
-        for (const MorphTarget& target : scene_.rig.morphs) names.push_back(target.name);
-        if (std::find(names.begin(), names.end(), driver.morph) == names.end())
-          throw Error(Exit::kBadData, recipe_file_,
-                      "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"",
-                      "the file has: " + joinNames(names));
-      }
+    for (LayerRecipe& layer : recipe_.layers) resolveDrivers(layer);
     if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
       throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets",
                   "split it into several files");
+  }
+
+  // Names the morph targets as the file does, and takes tables apart.
+  void resolveDrivers(LayerRecipe& layer) {
+    std::vector<std::string> names;
+    for (const MorphTarget& target : scene_.rig.morphs)
+      if (std::find(names.begin(), names.end(), target.name) == names.end()) names.push_back(target.name);
+    std::vector<DriverRecipe> wanted = layer.drivers;
+    for (const auto& [shape, gain] : driverTable(layer.driver_table)) wanted.push_back({shape, gain});
+    layer.drivers.clear();
+    for (const DriverRecipe& driver : wanted) {
+      const std::vector<size_t> found = matchShape(names, driver.morph);
+      if (found.empty() && layer.driver_table.empty())
+        throw Error(Exit::kBadData, recipe_file_,
+                    "layer \"" + layer.name + "\": there is no morph target \"" + driver.morph + "\"",
+                    "the file has: " + joinNames(names));
+      for (size_t i : found)
+        layer.drivers.push_back({names[i], driver.gain / static_cast<double>(found.size()), driver.curve});
+    }
+    if (!layer.driver_table.empty() && layer.drivers.empty())
+      warn("layer \"" + layer.name + "\": no morph target is one of " + layer.driver_table);
+    layer.driver_table.clear();
+  }
+
+  void weldVertices() {
+    std::optional<Weld> made = weld(scene_, recipe_.weld_tolerance, rest_offsets_);
+    if (!made)
+      throw Error(Exit::kBadData, recipe_file_,
+                  "weld.tolerance: thousands of vertices lie within a few of it of each other",
+                  "give a length well below that of the edges, or leave it out");
+    weld_ = std::move(*made);
+    recipe_.weld_tolerance = weld_.tolerance;
+  }
+
+  // Draco drops faces without area, so the source's are looked at.
+  void inspectTriangles(const std::vector<glm::vec3>& source_rest) {
+    std::vector<glm::uvec3> triangles;
+    uint32_t first_vertex = 0;
+    for (const Part& part : scene_.parts) {
+      const Primitive& primitive = scene_.primitives[part.primitive];
+      for (const glm::uvec3& t : trianglesOf(primitive)) triangles.push_back(t + first_vertex);
+      first_vertex += static_cast<uint32_t>(primitive.positions.size());
+    }
+    report_.polygons = scene_.polygons;
+    report_.topology = inspect(source_rest, weld_.vertex_point, triangles);
+  }
+
+  void tellTopology() {
+    const auto tell = [&](uint32_t count, const char* what) {
+      if (count > 0) warn(std::to_string(count) + what);
+    };
+    const Topology& topology = report_.topology;
+    tell(topology.degenerate_triangles, " triangles have no area and are in no ring");
+    tell(topology.duplicate_triangles, " triangles have the corners of another one");
+    tell(topology.non_manifold_edges, " edges have more than two triangles");
+    tell(topology.isolated_vertices, " vertices are in no triangle");
+  }
+
+  static std::span<const glm::uvec3> trianglesOf(const Primitive& primitive) {
+    return {reinterpret_cast<const glm::uvec3*>(primitive.indices.data()), primitive.indices.size() / 3};
   }
 
   bool needsSqueeze() const {
@@ -197,8 +249,7 @@ class Cook {
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
       const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
-      const std::span triangles(reinterpret_cast<const glm::uvec3*>(primitive.indices.data()),
-                                primitive.indices.size() / 3);
+      const std::span<const glm::uvec3> triangles = trianglesOf(primitive);
       const std::vector<glm::vec4> frames =
           primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
                                      : primitive.tangents;
@@ -299,18 +350,19 @@ class Cook {
     std::partial_sum(first_of_place.begin(), first_of_place.end(), first_of_place.begin());
     std::vector<uint32_t> points_by_place(weld_.points), free = first_of_place;
     for (uint32_t p = 0; p < weld_.points; ++p) points_by_place[free[place_of_point[p]]++] = p;
-    std::vector<uint32_t> number(weld_.points, kNoIndex);
-    place_points_.assign(weld_.places, {0, 0});
+    std::vector<uint32_t> number(weld_.points, kNoIndex), first_point(weld_.places);
     uint32_t next = 0;
     for (uint32_t point : source_point) {
       if (number[point] == kNoIndex) {
         const uint32_t place = place_of_point[point];
         const uint32_t begin = first_of_place[place], end = first_of_place[place + 1];
-        place_points_[place] = {next, end - begin};
+        first_point[place] = next;
         for (uint32_t i = begin; i < end; ++i) number[points_by_place[i]] = next++;
       }
       surface_.vertex_point.push_back(number[point]);
     }
+    for (uint32_t place : weld_.slot_place)
+      place_points_.push_back({first_point[place], first_of_place[place + 1] - first_of_place[place]});
   }
 
   void pointGeometry() {
@@ -362,6 +414,19 @@ class Cook {
     for (size_t l = 0; l < layers.size(); ++l) report_.layers[l].response = recipe_.layers[l].response;
   }
 
+  void reportConfidence(const Squeeze& squeeze, const std::vector<BakedLayer>& layers) {
+    constexpr double kMuch = 0.5;
+    for (size_t l = 0; l < layers.size(); ++l) {
+      const LayerRecipe& layer = recipe_.layers[l];
+      const double unsure = report_.layers[l].low_confidence = layers[l].unsure;
+      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !squeeze.any();
+      if (unsure > kMuch && !still)
+        warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
+             std::to_string(std::lround(100.0 * unsure)) +
+             "% of its surface: see --view confidence, and draw guide curves or mask that part");
+    }
+  }
+
   void fitLayer(size_t l, double alpha) {
     constexpr double kNoSqueeze = 1.0001, kShort = 0.01;
     LayerRecipe& layer = recipe_.layers[l];
@@ -384,6 +449,7 @@ class Cook {
   void report() {
     report_.vertices = static_cast<uint32_t>(surface_.positions.size());
     report_.triangles = static_cast<uint32_t>(surface_.triangles.size());
+    report_.weld_tolerance = weld_.tolerance;
     report_.places = weld_.places;
     report_.points = weld_.points;
     report_.morphs = static_cast<uint32_t>(scene_.rig.morphs.size());
@@ -395,11 +461,7 @@ class Cook {
       highest = glm::max(highest, p);
     }
     report_.diagonal = glm::distance(lowest, highest);
-    for (size_t t = 0; t < surface_.triangles.size(); ++t)
-      report_.degenerate_triangles += isDegenerate(restView(surface_), t);
-    if (report_.degenerate_triangles > 0)
-      warn(std::to_string(report_.degenerate_triangles) + " of " + std::to_string(report_.triangles) +
-           " triangles have no area and are in no ring");
+    tellTopology();
     const bool some_without_uvs =
         std::any_of(parts_.begin(), parts_.end(), [](const PackedPart& part) { return !part.has_uvs; });
     if (some_without_uvs)
@@ -417,7 +479,7 @@ class Cook {
   std::vector<PackedPart> parts_;
   std::vector<PartGeometry> geometry_;
   std::vector<uint32_t> source_vertex_;
-  std::vector<std::pair<uint32_t, uint32_t>> place_points_;
+  std::vector<std::pair<uint32_t, uint32_t>> place_points_;  // a slot of the hash
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
   std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest

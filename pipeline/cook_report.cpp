@@ -16,8 +16,10 @@ std::string reportText(const CookReport& report, const std::string& asset) {
   }
   json layers = json::array();
   for (const LayerReport& layer : report.layers) {
-    json& out = layers.emplace_back(
-        json{{"name", layer.name}, {"lambda", layer.response.lambda}, {"beta", layer.response.beta}});
+    json& out = layers.emplace_back(json{{"name", layer.name},
+                                         {"lambda", layer.response.lambda},
+                                         {"beta", layer.response.beta},
+                                         {"lowConfidence", layer.low_confidence}});
     if (layer.fit)
       out["fit"] = {
           {"target", layer.fit->target}, {"alpha", layer.fit->alpha}, {"weight", layer.fit->weight}};
@@ -36,9 +38,15 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                     {"bytes", report.bytes},
                     {"vertices", report.vertices},
                     {"triangles", report.triangles},
-                    {"degenerateTriangles", report.degenerate_triangles},
+                    {"polygons", report.polygons},
+                    {"degenerateTriangles", report.topology.degenerate_triangles},
+                    {"duplicateTriangles", report.topology.duplicate_triangles},
+                    {"nonManifoldEdges", report.topology.non_manifold_edges},
+                    {"borderEdges", report.topology.border_edges},
+                    {"isolatedVertices", report.topology.isolated_vertices},
                     {"places", report.places},
                     {"points", report.points},
+                    {"weldTolerance", report.weld_tolerance},
                     {"morphTargets", report.morphs},
                     {"clips", report.clips},
                     {"positionError", report.position_error},

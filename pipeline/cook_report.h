@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "furrow/asset.h"
+#include "pipeline/bake/topology.h"
 
 namespace furrow::pipeline {
 
@@ -25,6 +26,8 @@ struct LayerReport {
     double weight;  // what the response makes of it
   };
   std::optional<Fit> fit;  // none: lambda and beta were given
+  // Share of the area under its mask where its direction is little more than a guess.
+  double low_confidence = 0.0;
 };
 
 // A texture of the asset, its errors as furrow::Texture has them.
@@ -37,8 +40,10 @@ struct TextureReport {
 };
 
 struct CookReport {
-  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, degenerate_triangles = 0, morphs = 0,
-           clips = 0;
+  uint32_t vertices = 0, triangles = 0, places = 0, points = 0, morphs = 0, clips = 0;
+  uint32_t polygons = 0;        // of more than three corners, in the source
+  Topology topology;            // of the source's triangles
+  double weld_tolerance = 0.0;  // root-space units
   double position_error = 0.0;  // of a vertex at rest, root-space units
   double morph_error = 0.0;     // of a displacement by a morph target at weight 1
   double diagonal = 0.0;        // of the rest bounding box

@@ -5,9 +5,11 @@
 #include <glm/geometric.hpp>
 
 #include "direction_codec.h"
-#include "pipeline/bake/directions.h"
+#include "pipeline/bake/image_directions.h"
 #include "pipeline/bake/rest_view.h"
 #include "pipeline/error.h"
+#include "pipeline/maps/authored.h"
+#include "pipeline/scene/posing.h"
 #include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {
@@ -16,6 +18,7 @@ namespace {
 constexpr float kFadeBegin = 0.03f,
                 kFadeEnd = 0.15f;  // peak squeeze at which the automatic mask starts and is full
 constexpr int kMaskBlurs = 4;
+constexpr float kUnsure = 0.25f;  // confidence below it counts as low
 
 void blur(const Surface& surface, int times, std::vector<float>& values) {
   for (int i = 0; i < times; ++i) {
@@ -37,10 +40,11 @@ class LayerBake {
  public:
   LayerBake(const LayerInput& input, const LayerRecipe& recipe) : in_(input), recipe_(recipe) {}
 
-  BakedLayer bake() {
+  BakedLayer bake(std::vector<std::filesystem::path>& dependencies) {
     cover();
-    direct();
+    direct(dependencies);
     mask();
+    weighConfidence();
     bias();
     measure();
     return std::move(out_);
@@ -129,25 +133,89 @@ class LayerBake {
     return mean;
   }
 
-  void direct() {
-    DirectionField field;
-    if (const auto* axis = std::get_if<DirectionAxis>(&recipe_.direction)) {
-      field = directionsFromAxis(in_.surface, {axis->axis[0], axis->axis[1], axis->axis[2]});
-    } else if (const auto* named = std::get_if<DirectionAttribute>(&recipe_.direction)) {
-      const std::vector<glm::vec4> values = attribute(named->name, 3, glm::vec4(0.0f));
-      std::vector<glm::vec3> vectors(values.size());
-      for (const SurfacePart& span : in_.surface.parts)
-        for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v) {
-          const glm::dvec3 d = glm::dmat3(span.rest) * glm::dvec3(values[v]);
-          const double length = glm::length(d);
-          vectors[v] = length > 0.0 ? glm::vec3(d / length) : glm::vec3(0.0f);
-        }
-      field = directionsFromVectors(in_.surface, vectors);
-    } else {
-      field = directionsFromSqueeze(in_.surface, in_.squeeze);
-    }
+  void direct(std::vector<std::filesystem::path>& dependencies) {
+    DirectionField field =
+        std::visit([&](const auto& source) { return directions(source, dependencies); }, recipe_.direction);
     out_.field.direction = std::move(field.direction);
     out_.field.confidence = std::move(field.confidence);
+  }
+
+  using Files = std::vector<std::filesystem::path>;
+
+  DirectionField directions(const DirectionAxis& source, Files&) const {
+    return directionsFromAxis(in_.surface, {source.axis[0], source.axis[1], source.axis[2]});
+  }
+
+  DirectionField directions(const DirectionAnimation&, Files&) const {
+    return directionsFromTensors(in_.surface, out_.covered, in_.squeeze.tensor);
+  }
+
+  DirectionField directions(const DirectionAttribute& source, Files&) const {
+    const std::vector<glm::vec4> values = attribute(source.name, 3, glm::vec4(0.0f));
+    std::vector<glm::vec3> vectors(values.size());
+    for (const SurfacePart& span : in_.surface.parts)
+      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
+        vectors[v] = glm::vec3(glm::dmat3(span.rest) * glm::dvec3(values[v]));
+    return directionsFromTensors(in_.surface, out_.covered, tensorsOfVectors(in_.surface, vectors));
+  }
+
+  DirectionField directions(const DirectionTexture& source, Files& files) const {
+    return directionsFromImage(source.texture, ImageKind::kFlow, files);
+  }
+
+  DirectionField directions(const DirectionMap&, Files& files) const {
+    if (const auto* height = std::get_if<MapHeight>(&recipe_.compress))
+      return directionsFromImage(height->texture, ImageKind::kHeight, files);
+    if (const auto* normal = std::get_if<MapNormal>(&recipe_.compress))
+      return directionsFromImage(normal->texture, ImageKind::kSlopes, files, normal->green);
+    fail("its direction is that of its map, but \"compress\" names no image",
+         "give \"compress\" a \"normal\" or \"height\", or choose another direction");
+  }
+
+  DirectionField directionsFromImage(const std::filesystem::path& file, ImageKind kind, Files& files,
+                                     Green green = Green::kOpenGl) const {
+    bool has_uvs = false;
+    for (size_t i = 0; i < covered_part_.size(); ++i)
+      has_uvs |= covered_part_[i] && in_.surface.parts[i].has_uvs;
+    if (!has_uvs)
+      fail("its direction is read from an image, but its meshes have no UVs",
+           "unwrap them or choose another direction");
+    files.push_back(file);
+    const Image image = kind == ImageKind::kSlopes ? readNormals(file, green) : readImage(file);
+    if (image.channels < leastChannels(kind))
+      throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels",
+                  "use an image with " + std::to_string(leastChannels(kind)) +
+                      " for the direction of layer \"" + recipe_.name + "\"");
+    return directionsFromTensors(in_.surface, out_.covered,
+                                 tensorsOfImage(in_.surface, out_.covered, image, kind));
+  }
+
+  DirectionField directions(const DirectionGuides& source, Files&) const {
+    std::vector<std::array<glm::dvec3, 2>> segments;
+    for (const auto& curve : source.curves)
+      for (size_t i = 0; i + 1 < curve.size(); ++i)
+        segments.push_back({glm::dvec3(curve[i][0], curve[i][1], curve[i][2]),
+                            glm::dvec3(curve[i + 1][0], curve[i + 1][1], curve[i + 1][2])});
+    if (!source.lines.empty()) addLines(source.lines, segments);
+    try {
+      return directionsFromGuides(in_.surface, out_.covered, segments);
+    } catch (const std::runtime_error& error) {
+      fail(error.what(), "draw them on the surface, in the scene root's space at rest");
+    }
+  }
+
+  void addLines(const std::string& name, std::vector<std::array<glm::dvec3, 2>>& segments) const {
+    const std::vector<glm::dmat4> world = worldMatrices(in_.scene.rig.nodes);
+    std::set<std::string> known;
+    for (const Lines& lines : in_.scene.lines) {
+      const std::string& node = in_.scene.rig.nodes[lines.node].name;
+      known.insert({lines.mesh, node});
+      if (lines.mesh != name && node != name) continue;
+      for (size_t i = 0; i + 1 < lines.points.size(); i += 2)
+        segments.push_back({glm::dvec3(world[lines.node] * glm::dvec4(lines.points[i], 1.0)),
+                            glm::dvec3(world[lines.node] * glm::dvec4(lines.points[i + 1], 1.0))});
+    }
+    requireNames({name}, known, "mesh or node of lines");
   }
 
   void mask() {
@@ -212,6 +280,22 @@ class LayerBake {
     return mask;
   }
 
+  void weighConfidence() {
+    double all = 0.0, unsure = 0.0;
+    for (size_t t = 0; t < in_.surface.triangles.size(); ++t) {
+      if (!out_.covered[t]) continue;
+      const glm::uvec3 p = in_.surface.trianglePoints(t);
+      const glm::vec3 a = in_.surface.point_positions[p.x];
+      const double area =
+          glm::length(glm::cross(in_.surface.point_positions[p.y] - a, in_.surface.point_positions[p.z] - a));
+      for (int c = 0; c < 3; ++c) {
+        all += area * out_.field.strength[p[c]];
+        if (out_.field.confidence[p[c]] < kUnsure) unsure += area * out_.field.strength[p[c]];
+      }
+    }
+    out_.unsure = all > 0.0 ? unsure / all : 0.0;
+  }
+
   void bias() {
     if (!recipe_.bias) return;
     const auto neutral = static_cast<float>(recipe_.bias->neutral);
@@ -248,8 +332,9 @@ class LayerBake {
 
 }  // namespace
 
-BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe) {
-  return LayerBake(input, recipe).bake();
+BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
+                     std::vector<std::filesystem::path>& dependencies) {
+  return LayerBake(input, recipe).bake(dependencies);
 }
 
 std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze) {

@@ -21,6 +21,7 @@ struct BakedLayer {
   std::vector<std::byte> directions;  // as the asset holds them; empty for a layer without measure
   std::vector<float> coefficients;    // as the loader works them out
   std::vector<float> bias;            // a point; empty: none
+  double unsure = 0.0;                // share of the area under its mask where confidence is low
 };
 
 struct LayerInput {
@@ -32,9 +33,11 @@ struct LayerInput {
   std::string recipe_file;  // for messages
 };
 
-// Throws Error (kBadData): a mesh, material or attribute that the scene lacks, a mask that is none
-// (checkMask()) or is empty or constant on the layer's meshes.
-BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe);
+// Throws Error (kBadData): a mesh, material, attribute or lines that the scene lacks, a mask that is none
+// (checkMask()) or is empty or constant on the layer's meshes, guide curves off the surface, an image of
+// directions that cannot be used. `dependencies` gains the images of directions.
+BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
+                     std::vector<std::filesystem::path>& dependencies);
 
 // Per point, the largest squeeze of its triangles; 0 where none was measured.
 std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze);

@@ -104,7 +104,8 @@ class Reader {
     Recipe recipe;
     recipe.file = std::filesystem::absolute(file_).lexically_normal();
     if (j.contains("rest")) recipe.rest = rest(j["rest"]);
-    if (j.contains("weld")) recipe.weld_tolerance = j["weld"].value("tolerance", 0.0);
+    if (j.contains("weld") && j["weld"].contains("tolerance"))
+      recipe.weld_tolerance = j["weld"]["tolerance"].get<double>();
     recipe.map_size = j.value("mapSize", 0u);
     for (const json& l : j["layers"]) {
       recipe.layers.push_back(layer(l, "layers[" + std::to_string(recipe.layers.size()) + ']'));
@@ -130,7 +131,14 @@ class Reader {
   }
 
   Direction direction(const json& j, const std::string& at) const {
+    if (j == "map") return DirectionMap{};
     if (j.is_string() || j.contains("animation")) return DirectionAnimation{};
+    if (j.contains("texture")) return DirectionTexture{path(j["texture"])};
+    if (j.contains("guides")) {
+      const json& guides = j["guides"];
+      if (guides.is_object()) return DirectionGuides{{}, guides["lines"].get<std::string>()};
+      return DirectionGuides{guides.get<std::vector<std::vector<std::array<double, 3>>>>(), {}};
+    }
     if (j.contains("attribute")) return DirectionAttribute{j["attribute"].get<std::string>()};
     return DirectionAxis{unit(j["axis"], at + ".axis", "give the direction across the creases")};
   }
@@ -216,6 +224,16 @@ class Reader {
     return finish;
   }
 
+  DriverRecipe driver(const json& j, const std::string& at) const {
+    DriverRecipe driver{j["morph"].get<std::string>(), j.value("gain", 1.0)};
+    driver.curve = j.value("curve", driver.curve);
+    for (size_t i = 1; i < driver.curve.size(); ++i)
+      if (!(static_cast<float>(driver.curve[i - 1][0]) < static_cast<float>(driver.curve[i][0])))
+        throw Error(Exit::kBadData, file_.string(), at + ".curve: its points are not in ascending order",
+                    "sort them by their first number");
+    return driver;
+  }
+
   LayerRecipe layer(const json& j, const std::string& at) const {
     LayerRecipe layer;
     layer.name = j["name"].get<std::string>();
@@ -238,8 +256,10 @@ class Reader {
       layer.stretch = map(j["stretch"]);
       layer.stretch_finish = finish(j["stretch"], at + ".stretch");
     }
-    for (const json& driver : j.value("drivers", json::array()))
-      layer.drivers.push_back({driver["morph"].get<std::string>(), driver.value("gain", 1.0)});
+    const json drivers = j.value("drivers", json::array());
+    if (drivers.is_string()) layer.driver_table = drivers.get<std::string>();
+    for (size_t i = 0; drivers.is_array() && i < drivers.size(); ++i)
+      layer.drivers.push_back(driver(drivers[i], at + ".drivers[" + std::to_string(i) + ']'));
     return layer;
   }
 

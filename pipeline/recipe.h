@@ -39,7 +39,17 @@ struct DirectionAxis {
 struct DirectionAttribute {
   std::string name;  // a 3-component vertex attribute, in the mesh's space
 };
-using Direction = std::variant<DirectionAnimation, DirectionAxis, DirectionAttribute>;
+struct DirectionTexture {
+  std::filesystem::path texture;  // absolute; a flow map, see ImageKind::kFlow
+};
+struct DirectionMap {};   // the structure of the layer's own `compress`, a normal or height map
+struct DirectionGuides {  // ALONG the creases
+  std::vector<std::vector<std::array<double, 3>>>
+      curves;         // poly-lines of 2 or more points in root space at rest
+  std::string lines;  // or, if not empty, a mesh or node of SourceScene::lines
+};
+using Direction = std::variant<DirectionAnimation, DirectionAxis, DirectionAttribute, DirectionTexture,
+                               DirectionMap, DirectionGuides>;
 
 struct MaskTexture {
   std::filesystem::path texture;  // absolute
@@ -87,6 +97,7 @@ struct MapFinish {
 struct DriverRecipe {
   std::string morph;
   double gain = 1.0;
+  std::vector<std::array<double, 2>> curve = {};  // morph weight, what becomes of it; by ascending weight
 };
 
 struct LayerRecipe {
@@ -102,12 +113,13 @@ struct LayerRecipe {
   Map stretch = MapNone{};
   MapFinish compress_finish, stretch_finish;
   std::vector<DriverRecipe> drivers;
+  std::string driver_table;  // of pipeline/arkit.h, in place of `drivers`
 };
 
 struct Recipe {
   std::filesystem::path file;  // empty for the default recipe
   Rest rest = RestBind{};
-  double weld_tolerance = 0.0;
+  std::optional<double> weld_tolerance;  // default: worked out from the bounding box
   uint32_t map_size =
       0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
   std::vector<LayerRecipe> layers;

@@ -163,8 +163,6 @@ class Checker {
   void checkEither(const json& value, const Shape& shape, const std::string& path) const {
     for (const Shape& s : shape.inner) {
       if (!hasType(value, s)) continue;
-      if (s.kind == Kind::kWord && contains(s.planned, value.get_ref<const std::string&>()))
-        fail(path, shown(value) + " is not supported yet in this version", "give " + describe(shape));
       if (s.kind == Kind::kWord && !contains(s.words, value.get_ref<const std::string&>()))
         failValue(value, shape, path);
       return check(value, s, path);
@@ -173,8 +171,6 @@ class Checker {
 
   void checkObject(const json& value, const Shape& shape, const std::string& path) const {
     for (const auto& [name, item] : value.items()) {
-      if (contains(shape.planned, name))
-        fail(below(path, name), "not supported yet in this version", "use " + quotedList(shape.forms));
       if (std::none_of(shape.keys.begin(), shape.keys.end(),
                        [&, &n = name](const RecipeKey& k) { return k.name == n; }))
         failUnknown(name, shape, path);
@@ -235,6 +231,7 @@ std::string describe(const RecipeShape& shape) {
       std::string count = shape.min == shape.max ? plain(shape.min) + " values"
                           : shape.max < kMany    ? plain(shape.min) + " to " + plain(shape.max) + " values"
                           : shape.min == 1       ? "one or more values"
+                          : shape.min > 1        ? plain(shape.min) + " or more values"
                                                  : "values";
       return "a list of " + count + ", each " + describe(shape.inner[0]);
     }

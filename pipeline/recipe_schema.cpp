@@ -1,6 +1,7 @@
 #include "pipeline/recipe_schema.h"
 
 #include "furrow/asset.h"
+#include "pipeline/arkit.h"
 
 namespace furrow::pipeline {
 
@@ -37,10 +38,9 @@ Shape above(double min, double max) {
   shape.above_min = true;
   return shape;
 }
-Shape word(std::vector<std::string> words, std::vector<std::string> planned = {}) {
+Shape word(std::vector<std::string> words) {
   Shape shape = make(Kind::kWord);
   shape.words = std::move(words);
-  shape.planned = std::move(planned);
   return shape;
 }
 Shape list(Shape item, double min, double max) {
@@ -63,11 +63,9 @@ Shape object(std::vector<RecipeKey> keys) {
   shape.keys = std::move(keys);
   return shape;
 }
-Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys,
-            std::vector<std::string> planned = {}) {
+Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys) {
   Shape shape = object(std::move(keys));
   shape.forms = std::move(names);
-  shape.planned = std::move(planned);
   return shape;
 }
 
@@ -82,13 +80,22 @@ Shape describeRest() {
 }
 
 Shape describeDirection() {
-  return either({word({"animation"}, {"texture", "guides", "map"}),
-                 forms({"axis", "attribute", "animation"},
-                       {{"axis", list(number(-kLength, kLength), 3, 3),
-                         "Direction across the creases, in the scene root's space; any length but 0."},
-                        {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
-                        {"animation", object({}), "From the squeeze in the clips and morph targets."}},
-                       {"texture", "guides", "map"})});
+  auto curve = list(list(number(-kLength, kLength), 3, 3), 2, kMany);
+  auto guides = either(
+      {list(curve, 1, kMany),
+       object({{"lines", text(), "Name of a mesh or node of the glTF file that holds lines.", true}})});
+  return either(
+      {word({"animation", "map"}),
+       forms({"axis", "attribute", "texture", "guides", "animation"},
+             {{"axis", list(number(-kLength, kLength), 3, 3),
+               "Direction across the creases, in the scene root's space; any length but 0."},
+              {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
+              {"texture", file(),
+               "A flow map: the direction in red (along u) and green (up in the image), 0.5 is zero."},
+              {"guides", guides,
+               "Curves along the creases, near the surface: lists of points in the scene root's space at "
+               "rest, or lines of the glTF file."},
+              {"animation", object({}), "From the squeeze in the clips and morph targets."}})});
 }
 
 Shape describeResponse() {
@@ -154,7 +161,10 @@ Shape describeLayer() {
       {{"name", make(Kind::kName), "Name of the layer, unlike that of any other.", true},
        {"meshes", names, "The meshes it lies on; default all."},
        {"materials", names, "The materials it lies on; default all."},
-       {"direction", describeDirection(), "The direction across the creases; default \"animation\"."},
+       {"direction", describeDirection(),
+        "The direction across the creases; \"map\" takes it from the compress map, a normal or height map; "
+        "default "
+        "\"animation\"."},
        {"measure", word({"directional", "area", "principal", "none"}),
         "How squeeze is measured; \"none\" for a layer that only drivers or the game move; default "
         "\"directional\"."},
@@ -170,10 +180,14 @@ Shape describeLayer() {
        {"compress", describeMap(), "The map where the surface is squeezed; default {\"synthesize\": {}}."},
        {"stretch", describeMap(), "The map where it is stretched; default \"none\"."},
        {"drivers",
-        list(object({{"morph", text(), "Name of a morph target.", true},
-                     {"gain", number(-100, 100), "Default 1."}}),
-             0, kMany),
-        "Morph targets whose weights are added to the layer's weight."}});
+        either({word(driverTables()),
+                list(object({{"morph", text(), "Name of a morph target, or another spelling of it.", true},
+                             {"gain", number(-100, 100), "Default 1."},
+                             {"curve", list(list(number(-100, 100), 2, 2), 1, 64),
+                              "Points [in, out], straight between them and level outside: what the morph's "
+                              "weight counts as; default: itself."}}),
+                     0, kMany)}),
+        "Morph targets whose weights are added to the layer's weight, or a ready table of ARKit's shapes."}});
 }
 
 }  // namespace
@@ -183,8 +197,10 @@ const RecipeShape& recipeShape() {
       {{"$schema", text(), "Where an editor finds this schema; not read."},
        {"rest", describeRest(), "The pose in which the surface is relaxed; default \"bind\", the bind pose."},
        {"weld",
-        object({{"tolerance", number(0, kLength),
-                 "Vertices at most so far apart, in the scene's unit, are one place; default 0."}}),
+        object(
+            {{"tolerance", number(0, kLength),
+              "Vertices at most so far apart, in the scene's unit, are one place; 0: equal positions alone. "
+              "Default: a millionth of the largest coordinate, so that rounding opens no seam."}}),
         "How vertices are welded into points."},
        {"mapSize", integer(16, 8192),
         "Largest side of a wrinkle map, in texels; default: worked out, at most 2048."},

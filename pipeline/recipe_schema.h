@@ -37,8 +37,7 @@ struct RecipeShape {
   bool above_min = false;
   std::vector<RecipeShape> inner;
   std::vector<RecipeKey> keys;
-  std::vector<std::string> forms;    // names of keys of which exactly one must be there; empty: no such rule
-  std::vector<std::string> planned;  // words or keys of other versions' recipes, refused by name
+  std::vector<std::string> forms;  // names of keys of which exactly one must be there; empty: no such rule
 };
 
 struct RecipeKey {

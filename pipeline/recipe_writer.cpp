@@ -22,7 +22,9 @@ class Writer {
   explicit Writer(const std::filesystem::path& folder) : folder_(folder) {}
 
   json recipe(const Recipe& recipe) const {
-    json out = {{"rest", rest(recipe.rest)}, {"weld", {{"tolerance", recipe.weld_tolerance}}}};
+    json out = {{"rest", rest(recipe.rest)}};
+    if (recipe.weld_tolerance)
+      out["weld"] = {{"tolerance", number(static_cast<float>(*recipe.weld_tolerance))}};
     if (recipe.map_size != 0) out["mapSize"] = recipe.map_size;
     out["layers"] = json::array();
     for (const LayerRecipe& l : recipe.layers) out["layers"].push_back(layer(l));
@@ -37,11 +39,17 @@ class Writer {
     return "bind";
   }
 
-  static json direction(const Direction& direction) {
+  json direction(const Direction& direction) const {
     if (const auto* axis = std::get_if<DirectionAxis>(&direction)) return {{"axis", axis->axis}};
     if (const auto* attribute = std::get_if<DirectionAttribute>(&direction))
       return {{"attribute", attribute->name}};
-    return "animation";
+    if (const auto* texture = std::get_if<DirectionTexture>(&direction))
+      return {{"texture", path(texture->texture)}};
+    if (const auto* guides = std::get_if<DirectionGuides>(&direction)) {
+      if (!guides->lines.empty()) return {{"guides", {{"lines", guides->lines}}}};
+      return {{"guides", guides->curves}};
+    }
+    return std::holds_alternative<DirectionMap>(direction) ? "map" : "animation";
   }
 
   static const char* measure(Measure measure) {
@@ -115,8 +123,11 @@ class Writer {
                      {"neutral", layer.bias->neutral}};
     out["compress"] = map(layer.compress, layer.compress_finish);
     out["stretch"] = map(layer.stretch, layer.stretch_finish);
-    for (const DriverRecipe& driver : layer.drivers)
-      out["drivers"].push_back({{"morph", driver.morph}, {"gain", driver.gain}});
+    if (!layer.driver_table.empty()) out["drivers"] = layer.driver_table;
+    for (const DriverRecipe& driver : layer.drivers) {
+      json& written = out["drivers"].emplace_back(json{{"morph", driver.morph}, {"gain", driver.gain}});
+      if (!driver.curve.empty()) written["curve"] = driver.curve;
+    }
     return out;
   }
 

@@ -17,5 +17,6 @@ Command addInfo(CLI::App& app);
 Command addCheck(CLI::App& app);
 Command addEval(CLI::App& app);
 Command addRender(CLI::App& app);
+Command addBind(CLI::App& app);
 
 }  // namespace furrow::cli

@@ -17,11 +17,10 @@ int main(int argc, char** argv) {
       "Exit status: 0 done, 1 bad data (an input missing, too), 2 bad usage, 3 environment (GL or a forced "
       "backend not available, "
       "disk).");
-  const std::map<std::string, furrow::cli::Command> commands = {{"cook", furrow::cli::addCook(app)},
-                                                                {"info", furrow::cli::addInfo(app)},
-                                                                {"check", furrow::cli::addCheck(app)},
-                                                                {"eval", furrow::cli::addEval(app)},
-                                                                {"render", furrow::cli::addRender(app)}};
+  const std::map<std::string, furrow::cli::Command> commands = {
+      {"cook", furrow::cli::addCook(app)},     {"info", furrow::cli::addInfo(app)},
+      {"check", furrow::cli::addCheck(app)},   {"eval", furrow::cli::addEval(app)},
+      {"render", furrow::cli::addRender(app)}, {"bind", furrow::cli::addBind(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

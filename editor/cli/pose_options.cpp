@@ -5,8 +5,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "furrow/drivers.h"
 #include "furrow/gl/executor.h"
+#include "pipeline/arkit.h"
 #include "pipeline/error.h"
+#include "pipeline/import/take.h"
 #include "pipeline/scene/posing.h"
 #include "pipeline/scene/rest.h"
 
@@ -45,6 +48,22 @@ std::vector<size_t> select(const std::vector<std::string>& names, const std::str
   return found;
 }
 
+// Poses the morph targets that the take has shapes for; names the shapes that are no morph target on stderr.
+void applyTake(const std::string& file, double time, const std::vector<std::string>& names,
+               pipeline::Pose& pose) {
+  const pipeline::Take take = pipeline::readTake(file);
+  const std::vector<float> weights = take.at(time);
+  std::vector<std::string> unknown;
+  for (size_t s = 0; s < weights.size(); ++s) {
+    const std::vector<size_t> found = pipeline::matchShape(names, take.shapes[s]);
+    for (size_t m : found) pose.morph_weights[m] = double{weights[s]};
+    if (found.empty()) unknown.push_back(take.shapes[s]);
+  }
+  if (!unknown.empty())
+    std::fprintf(stderr, "furrow: %s: warning: the asset has no morph target for %s\n", file.c_str(),
+                 pipeline::joinNames(unknown, 80).c_str());
+}
+
 }  // namespace
 
 void PoseOptions::add(CLI::App& command) {
@@ -52,8 +71,9 @@ void PoseOptions::add(CLI::App& command) {
       ->check([](const std::string& name) {
         return std::string(name.empty() ? "the name of the clip is empty" : "");
       });
-  command.add_option("--time", time, "Time in the clip in seconds, clamped to it (default 0)")
-      ->needs("--clip");
+  command.add_option("--take", take,
+                     "Face shapes over time (CSV as Live Link Face writes it); goes with a clip of the body");
+  command.add_option("--time", time, "Time in the clip and the take in seconds, clamped to them (default 0)");
   command.add_option("--morph", morphs, "Weight of a morph target, M=W, by name or number; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--region", regions, "Region weight of a layer, LAYER=W in [-1, 1]; may be repeated")
@@ -76,15 +96,18 @@ void PoseOptions::validate() const {
 PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
   const AssetView& asset = opened.asset.view();
   const std::string file = opened.file.string();
+  if (options.time && options.clip.empty() && options.take.empty())
+    throw Error(Exit::kBadUsage, "--time", "there is nothing to play", "give --clip or --take");
   pipeline::Pose pose = pipeline::defaultPose(opened.rig);
   if (!options.clip.empty()) {
     std::vector<std::string> names;
     for (const pipeline::Clip& clip : opened.rig.clips) names.push_back(clip.name);
     pipeline::applyClip(opened.rig, opened.rig.clips[select(names, options.clip, "clip", file).front()],
-                        options.time, pose);
+                        options.time.value_or(0.0), pose);
   }
   std::vector<std::string> names;
   for (const Morph& morph : asset.morphs) names.emplace_back(morph.name);
+  if (!options.take.empty()) applyTake(options.take, options.time.value_or(0.0), names, pose);
   for (const std::string& text : options.morphs) {
     const auto [name, weight] = assignment(text, "--morph");
     for (size_t m : select(names, name, "morph target", file)) pose.morph_weights[m] = weight;
@@ -94,16 +117,13 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
   PosedFrame frame;
   for (double weight : posed.morph_weights) frame.morph_weights.push_back(static_cast<float>(weight));
   frame.region_weights.assign(asset.layerCount(), 0.0f);
-  for (uint32_t l = 0; l < asset.layerCount(); ++l)
-    for (uint32_t d = asset.layers[l].driver_begin; d < asset.layers[l].driver_end; ++d)
-      frame.region_weights[l] += asset.drivers[d].gain * frame.morph_weights[asset.drivers[d].morph];
   names.clear();
   for (const Layer& layer : asset.layers) names.emplace_back(layer.name);
   for (const std::string& text : options.regions) {
     const auto [name, weight] = assignment(text, "--region");
     for (size_t l : select(names, name, "layer", file)) frame.region_weights[l] += static_cast<float>(weight);
   }
-  for (float& weight : frame.region_weights) weight = std::clamp(weight, -1.0f, 1.0f);
+  driveRegions(asset, frame.morph_weights, frame.region_weights, frame.region_weights);
 
   // Poses are computed about where the first vertex stands, so that a character far from the root keeps its
   // precision.

@@ -3,6 +3,7 @@
 // The options that choose a pose, shared by eval and render.
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@
 namespace furrow::cli {
 
 struct PoseOptions {
-  std::string clip;
-  double time = 0.0;
+  std::string clip, take;
+  std::optional<double> time;
   std::vector<std::string> morphs, regions;
   double scale = 1.0;
   std::string backend = "auto";

@@ -1,28 +1,33 @@
 #pragma once
 
-// Direction fields: unit line fields per point, tangent to the surface.
+// Direction fields from what an artist gives or the animation shows: d, ACROSS the creases, a point. What
+// lies on no covered triangle stays zero, but for an axis.
 
-#include <vector>
+#include <array>
+#include <span>
 
-#include "pipeline/bake/squeeze.h"
-#include "pipeline/bake/surface.h"
+#include "pipeline/bake/line_field.h"
 
 namespace furrow::pipeline {
 
-struct DirectionField {
-  std::vector<glm::vec3> direction;  // a point, unit; zero where undefined
-  std::vector<float> confidence;     // a point, [0, 1]
-};
-
-// `axis` projected into every point's tangent plane; undefined where it is the normal.
+// `axis`, a unit vector, projected into every point's tangent plane; confidence is the length of what is
+// left.
 DirectionField directionsFromAxis(const Surface& surface, glm::dvec3 axis);
 
-// The line-field mean of the vertices' vectors (root space; zero: none) at each point.
-DirectionField directionsFromVectors(const Surface& surface, const std::vector<glm::vec3>& vectors);
+// What speaks for a direction in a triangle: the mean over it of w v v^T for lines v in its plane with
+// weights w, as xx xy yy in triangleFrame(). The weights' scale does not matter, triangles with much outvote
+// those with little, and lines that cross speak for nothing.
+using LineTensors = std::vector<glm::vec3>;
+DirectionField directionsFromTensors(const Surface& surface, const std::vector<bool>& covered,
+                                     const LineTensors& tensors);
 
-// The principal direction of the squeeze, smoothed as a line field over the surface: one sparse solve of the
-// connection Laplacian with the measured directions as soft constraints, weighted by how much squeeze speaks
-// for them [Knoeppel et al. 2013, n = 2].
-DirectionField directionsFromSqueeze(const Surface& surface, const Squeeze& squeeze);
+// Of vertices' vectors (root space; only their lines matter; zero: none).
+LineTensors tensorsOfVectors(const Surface& surface, const std::vector<glm::vec3>& vectors);
+
+// Curves drawn ALONG the creases on or near the covered surface, in root space at rest, as line segments.
+// Diffused; confidence falls with the distance from them. Throws std::runtime_error, whose text says which
+// place is too far from the surface or that the curves have no length.
+DirectionField directionsFromGuides(const Surface& surface, const std::vector<bool>& covered,
+                                    std::span<const std::array<glm::dvec3, 2>> segments);
 
 }  // namespace furrow::pipeline

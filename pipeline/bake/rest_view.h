@@ -9,7 +9,7 @@ namespace furrow::pipeline {
 
 static_assert(sizeof(glm::vec3) == sizeof(Float3) && sizeof(glm::uvec3) == 3 * sizeof(uint32_t));
 
-inline std::span<const Float3> asFloat3(const std::vector<glm::vec3>& vectors) {
+inline std::span<const Float3> asFloat3(std::span<const glm::vec3> vectors) {
   return {reinterpret_cast<const Float3*>(vectors.data()), vectors.size()};
 }
 

@@ -1,40 +1,26 @@
 #include "pipeline/bake/weld.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <map>
-#include <unordered_map>
+#include <string>
 
 #include "pipeline/bake/perfect_hash.h"
+#include "pipeline/bake/places.h"
+#include "pipeline/pack/geometry.h"
+#include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {
 namespace {
 
-constexpr float kSameWeight = 1e-3f;  // exporters round weights to 8 or 16 bits
-constexpr float kSameMotion = 1e-6f;  // of the bounding box's diagonal: float noise of a displacement
-
-struct Key {
-  uint32_t x, y, z;
-  bool operator==(const Key&) const = default;
-};
-struct KeyHash {
-  size_t operator()(const Key& k) const {
-    uint64_t h = (uint64_t{k.x} << 32 | k.y) * 0x9e3779b97f4a7c15u;
-    h = (h ^ (h >> 29) ^ k.z) * 0xbf58476d1ce4e5b9u;
-    return h ^ (h >> 32);
-  }
-};
-Key keyOf(glm::vec3 p) {  // adding zero turns -0 into 0
-  return {std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
-          std::bit_cast<uint32_t>(p.z + 0.0f)};
-}
+constexpr float kSameWeight = 1.0f / 255.0f;  // exporters round weights to 8 bits and more
 
 // What moves a vertex, comparable between parts.
 struct Motion {
   std::vector<std::pair<uint32_t, float>> nodes;       // by node, weights summed
-  std::vector<std::pair<uint32_t, glm::vec3>> morphs;  // by morph id
+  std::vector<std::pair<uint32_t, glm::vec3>> morphs;  // by morph id, in root space
 };
 
 class Motions {
@@ -45,6 +31,7 @@ class Motions {
       const MorphTarget& target = scene.rig.morphs[m];
       morph_id_.push_back(target.name.empty() ? m : names.try_emplace(target.name, m).first->second);
     }
+    for (const glm::dmat4& bind : bindMatrices(scene)) to_root_.emplace_back(bind);
     rows_.resize(scene.primitives.size());
   }
 
@@ -65,7 +52,8 @@ class Motions {
     }
     const auto& rows = morphRows(part.primitive);
     for (uint32_t i = rows.offsets[vertex]; i < rows.offsets[vertex + 1]; ++i)
-      motion.morphs.push_back({morph_id_[part.first_morph + rows.entries[i].first], rows.entries[i].second});
+      motion.morphs.push_back({morph_id_[part.first_morph + rows.entries[i].first],
+                               to_root_[part_index] * rows.entries[i].second});
     std::sort(motion.morphs.begin(), motion.morphs.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });
     return motion;
@@ -95,6 +83,7 @@ class Motions {
 
   const SourceScene& scene_;
   std::vector<uint32_t> morph_id_;
+  std::vector<glm::mat3> to_root_;  // a part
   std::vector<Rows> rows_;
 };
 
@@ -116,29 +105,57 @@ bool alike(const std::vector<std::pair<uint32_t, Value>>& a, const std::vector<s
   return true;
 }
 
+// Length that one edge in twenty is shorter than, in the part that has the shortest.
+double shortestEdges(const SourceScene& scene, std::span<const glm::vec3> positions) {
+  double shortest = INFINITY;
+  for (const Part& part : scene.parts) {
+    const Primitive& primitive = scene.primitives[part.primitive];
+    const double length = shortEdge(positions.first(primitive.positions.size()), primitive.indices);
+    if (length > 0.0) shortest = std::min(shortest, length);
+    positions = positions.subspan(primitive.positions.size());
+  }
+  return shortest;
+}
+
 }  // namespace
 
-Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions) {
-  Weld result;
-  std::unordered_map<Key, uint32_t, KeyHash> place_of;
-  place_of.reserve(positions.size());
-  std::vector<glm::vec3> places;
-  glm::vec3 lowest(INFINITY), highest(-INFINITY);
-  for (const glm::vec3& p : positions) {
-    const auto [it, fresh] = place_of.try_emplace(keyOf(p), static_cast<uint32_t>(places.size()));
-    if (fresh) places.push_back(p);
-    result.vertex_place.push_back(it->second);
-    lowest = glm::min(lowest, p);
-    highest = glm::max(highest, p);
+std::vector<glm::vec3> sourcePositions(const SourceScene& scene) {
+  std::vector<glm::vec3> out;
+  const std::vector<glm::dmat4> bind = bindMatrices(scene);
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
+    Affine rest;
+    std::ranges::copy(affineRows(bind[i]), rest.m);
+    for (const glm::vec3& p : scene.primitives[scene.parts[i].primitive].positions) {
+      const Float3 placed = transformed(rest, {p.x, p.y, p.z});
+      out.emplace_back(placed.x, placed.y, placed.z);
+    }
   }
-  const float same_motion = kSameMotion * glm::length(highest - lowest);
+  return out;
+}
+
+std::optional<Weld> weld(const SourceScene& scene, std::optional<double> tolerance,
+                         std::span<const glm::dvec3> rest_offsets) {
+  const std::vector<glm::vec3> positions = sourcePositions(scene);
+  const float rounding = roundingTolerance(positions, shortestEdges(scene, positions));
+  Weld result;
+  result.tolerance = tolerance ? static_cast<float>(*tolerance) : rounding;
+  std::optional<Places> places = findPlaces(positions, result.tolerance);
+  if (!places && !tolerance) {  // far more vertices than edges tell of, in a heap
+    result.tolerance = 0.0f;
+    places = findPlaces(positions, 0.0f);
+  }
+  if (!places) return std::nullopt;
+  result.places = places->count;
+  for (uint32_t position : places->vertex_position)
+    result.vertex_place.push_back(places->position_place[position]);
+  const float same_motion = std::max(result.tolerance, rounding);
 
   // Points of each place, as a list through `next_in_place`. Motions matter only where a place has several
   // vertices.
-  std::vector<uint32_t> vertices_at(places.size(), 0);
+  std::vector<uint32_t> vertices_at(result.places, 0);
   for (uint32_t place : result.vertex_place) ++vertices_at[place];
   Motions motions(scene);
-  std::vector<uint32_t> first_point(places.size(), kNoIndex);
+  std::vector<uint32_t> first_point(result.places, kNoIndex);
   std::vector<uint32_t> next_in_place;
   std::vector<Motion> motion_of_point;
   result.vertex_point.reserve(positions.size());
@@ -148,6 +165,7 @@ Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions) {
     for (uint32_t v = 0; v < count; ++v, ++vertex) {
       const uint32_t place = result.vertex_place[vertex];
       Motion motion = vertices_at[place] > 1 ? motions.of(part, v) : Motion();
+      if (!rest_offsets.empty()) motion.morphs.push_back({kNoIndex, glm::vec3(rest_offsets[vertex])});
       uint32_t* slot = &first_point[place];
       while (*slot != kNoIndex) {
         const Motion& other = motion_of_point[*slot];
@@ -168,10 +186,10 @@ Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions) {
     }
   }
   result.points = static_cast<uint32_t>(motion_of_point.size());
-  result.places = static_cast<uint32_t>(places.size());
-  BuiltPlaceHash hash = buildPlaceHash(places);
-  for (uint32_t& place : result.vertex_place) place = hash.slots[place];
+  BuiltPlaceHash hash = buildPlaceHash(places->positions);
   result.hash = std::move(hash.section);
+  result.slot_place.resize(places->positions.size());
+  for (size_t i = 0; i < hash.slots.size(); ++i) result.slot_place[hash.slots[i]] = places->position_place[i];
   return result;
 }
 

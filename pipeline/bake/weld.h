@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/scene/source_scene.h"
@@ -13,15 +15,23 @@
 namespace furrow::pipeline {
 
 struct Weld {
-  std::vector<uint32_t> vertex_place;  // a source vertex; places are the slots of the hash
-  std::vector<uint32_t>
-      vertex_point;  // a source vertex; points of one place are told apart, numbered by first source vertex
+  float tolerance = 0.0f;              // that was used, root-space units
+  std::vector<uint32_t> vertex_place;  // a source vertex; places are numbered by first source vertex
+  std::vector<uint32_t> vertex_point;  // a source vertex; points are numbered by first source vertex
   uint32_t places = 0, points = 0;
-  std::vector<std::byte> hash;  // section for furrow::PlaceHash, from rest position to place
+  std::vector<std::byte> hash;       // section for furrow::PlaceHash, from source position to slot
+  std::vector<uint32_t> slot_place;  // a slot of the hash: one for every different source position
 };
 
-// `positions`: root-space rest positions of all parts' vertices in source order, float; equal bits are one
-// place (-0 equals 0).
-Weld weld(const SourceScene& scene, const std::vector<glm::vec3>& positions);
+// Positions of all vertices in source order: in root space and the bind pose, placed by Part::rest as the
+// asset stores it, so that who has the same positions and that matrix gets the same bits.
+std::vector<glm::vec3> sourcePositions(const SourceScene& scene);
+
+// Welds by those positions. Without a tolerance it is roundingTolerance() (places.h); 0 means equal bits (-0
+// equals 0). Displacements may differ by the tolerance too, and by rounding where it is 0; weights by a step
+// of 8 bits. `rest_offsets`: a vertex, where a rest from another file moves it (restOffsets()); it counts as
+// one more displacement. Nothing is returned if the tolerance is far too coarse, see findPlaces().
+std::optional<Weld> weld(const SourceScene& scene, std::optional<double> tolerance,
+                         std::span<const glm::dvec3> rest_offsets = {});
 
 }  // namespace furrow::pipeline

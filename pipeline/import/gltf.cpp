@@ -167,6 +167,10 @@ class GltfImporter {
     std::vector<std::pair<uint32_t, uint32_t>> primitives;  // ours, its material
     for (size_t p = 0; p < mesh.primitives.size(); ++p) {
       where_ = named("mesh", m, mesh.name) + ", primitive " + std::to_string(p);
+      if (isLines(mesh.primitives[p])) {
+        readLines(mesh.primitives[p], m);
+        continue;
+      }
       std::optional<Primitive> primitive = readPrimitive(mesh.primitives[p], targets);
       if (!primitive) continue;
       const int material = mesh.primitives[p].material;
@@ -334,8 +338,8 @@ class GltfImporter {
   std::optional<Primitive> readPrimitive(const tinygltf::Primitive& in, size_t targets) {
     if (in.mode < TINYGLTF_MODE_POINTS || in.mode > TINYGLTF_MODE_TRIANGLE_FAN)
       fail(where_ + " has the unknown mode " + std::to_string(in.mode));
-    if (in.mode < TINYGLTF_MODE_TRIANGLES) {
-      warn(where_ + " is left out: it is points or lines");
+    if (in.mode == TINYGLTF_MODE_POINTS) {
+      warn(where_ + " is left out: it is points");
       return std::nullopt;
     }
     const std::unique_ptr<const DracoMesh> draco = document_.draco(in);
@@ -379,6 +383,30 @@ class GltfImporter {
     return out;
   }
 
+  static bool isLines(const tinygltf::Primitive& in) {
+    return in.mode == TINYGLTF_MODE_LINE || in.mode == TINYGLTF_MODE_LINE_LOOP ||
+           in.mode == TINYGLTF_MODE_LINE_STRIP;
+  }
+
+  void readLines(const tinygltf::Primitive& in, size_t m) {
+    const std::optional<AccessorView> position = attribute(in, nullptr, "POSITION");
+    if (!position) {
+      warn(where_ + " is left out: it has no positions");
+      return;
+    }
+    expectVector(*position, "POSITION", 3, position->count);
+    std::vector<glm::vec3> positions(position->count);
+    readFloats(*position, position->normalized, flat(positions));
+    if (!allFinite(flat(positions))) fail(where_ + " has a position that is not finite");
+    std::vector<uint32_t> list = readIndices(in, positions.size());
+    if (in.mode == TINYGLTF_MODE_LINE_LOOP && !list.empty()) list.push_back(list.front());
+    std::vector<glm::vec3> points;
+    const size_t step = in.mode == TINYGLTF_MODE_LINE ? 2 : 1;
+    for (size_t i = 0; i + 1 < list.size(); i += step)
+      points.insert(points.end(), {positions[list[i]], positions[list[i + 1]]});
+    for (const uint32_t node : shown_[m]) scene_.lines.push_back({model_.meshes[m].name, node, points});
+  }
+
   void readAttribute(const tinygltf::Primitive& in, const DracoMesh* draco, const std::string& name,
                      Primitive& out) {
     const AccessorView view = *attribute(in, draco, name);
@@ -393,10 +421,8 @@ class GltfImporter {
     out.attributes.push_back(std::move(attribute));
   }
 
-  std::vector<uint32_t> readTriangles(const tinygltf::Primitive& in, const DracoMesh* draco,
-                                      size_t vertices) {
+  std::vector<uint32_t> readIndices(const tinygltf::Primitive& in, size_t vertices) {
     std::vector<uint32_t> list;
-    if (draco) return draco->indices;
     if (in.indices >= 0) {
       const AccessorView view = document_.accessor(in.indices);
       if (view.components != 1) fail(where_ + " has indices that are not scalars");
@@ -409,6 +435,13 @@ class GltfImporter {
       if (index >= vertices)
         fail(where_ + " has the index " + std::to_string(index) + " of " + std::to_string(vertices) +
              " vertices");
+    return list;
+  }
+
+  std::vector<uint32_t> readTriangles(const tinygltf::Primitive& in, const DracoMesh* draco,
+                                      size_t vertices) {
+    if (draco) return draco->indices;
+    std::vector<uint32_t> list = readIndices(in, vertices);
     if (in.mode == TINYGLTF_MODE_TRIANGLES) {
       if (list.size() % 3 != 0)
         warn(where_ + " has indices that do not come in threes: the last ones are left out");

@@ -481,6 +481,7 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
       if (!finite(p)) fail("a position is not finite");
     for (const uint32_t p : polygons[m]) {
       const uint32_t* corner = &mesh.polygon_corners[beginOf(p)];
+      scene.polygons += mesh.polygon_ends[p] - beginOf(p) > 3;
       points.clear();
       for (uint32_t i = beginOf(p); i < mesh.polygon_ends[p]; ++i)
         points.emplace_back(mesh.positions[mesh.corners[mesh.polygon_corners[i]].place]);

@@ -21,20 +21,6 @@ constexpr uint32_t kTangentBits = 11;
 constexpr uint32_t kLeastPositionBits = 16, kMostPositionBits = 24;  // a float holds 24
 constexpr int kDracoSpeed = 4;
 
-// Length that one edge in twenty is shorter than.
-double shortEdge(const Primitive& primitive) {
-  std::vector<float> lengths;
-  for (size_t i = 0; i < primitive.indices.size(); ++i) {
-    const size_t next = i % 3 == 2 ? i - 2 : i + 1;
-    const float length = glm::distance(primitive.positions[primitive.indices[i]],
-                                       primitive.positions[primitive.indices[next]]);
-    if (length > 0.0f) lengths.push_back(length);
-  }
-  if (lengths.empty()) return 0.0;
-  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 20, lengths.end());
-  return lengths[lengths.size() / 20];
-}
-
 template <typename Vector>
 PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& values, uint32_t bits) {
   PackedAttribute attribute{semantic, static_cast<uint32_t>(Vector::length()), bits, {}, 0.0f, {}};
@@ -68,7 +54,7 @@ uint32_t positionBits(const Primitive& primitive) {
     highest = glm::max(highest, p);
   }
   const glm::vec3 size = highest - lowest;
-  const double step = shortEdge(primitive) / 64.0;
+  const double step = shortEdge(primitive.positions, primitive.indices) / 64.0;
   if (!(step > 0.0)) return kLeastPositionBits;
   const double bits = std::ceil(std::log2(std::max({size.x, size.y, size.z}) / step + 1.0));
   return static_cast<uint32_t>(std::clamp(bits, double{kLeastPositionBits}, double{kMostPositionBits}));
@@ -217,6 +203,18 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
                             builder.CreateVector(part.draco), indices, part.palette_begin, part.palette_count,
                             part.texture_set, &color, builder.CreateVector(affineRows(part.rest)),
                             part.has_normals, part.has_uvs);
+}
+
+double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t> indices) {
+  std::vector<float> lengths;
+  for (size_t i = 0; i < indices.size(); ++i) {
+    const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+    const float length = glm::distance(positions[indices[i]], positions[indices[next]]);
+    if (length > 0.0f) lengths.push_back(length);
+  }
+  if (lengths.empty()) return 0.0;
+  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 20, lengths.end());
+  return lengths[lengths.size() / 20];
 }
 
 std::vector<float> affineRows(const glm::dmat4& matrix) {

@@ -53,6 +53,9 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
 
 uint32_t influencesOf(const PackedPart& part);
 
+// Length that one edge in twenty of those that have any is shorter than; 0 if none has.
+double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
+
 // The upper three rows, row-major, as the file and the runtime's Affine hold a matrix.
 std::vector<float> affineRows(const glm::dmat4& matrix);
 

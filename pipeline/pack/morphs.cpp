@@ -11,7 +11,8 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr double kStepsAShortEdge = 64.0;
-constexpr size_t kFew = 128;  // vertices that take about a kilobyte at most
+constexpr double kStepsAcross = 32768.0;  // of the largest side of the parts it moves
+constexpr size_t kFew = 128;              // vertices that take about a kilobyte at most
 constexpr float kCheap =
     4.0f;  // steps that a prediction may be wrong by before finer ones take more than 4 bits
 
@@ -20,6 +21,15 @@ float quantile(std::vector<float>& values, size_t above, size_t of) {
   const auto at = values.begin() + static_cast<ptrdiff_t>(values.size() * above / of);
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+float largestSide(const std::vector<glm::vec3>& positions) {
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (const glm::vec3& p : positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
 
 std::vector<uint32_t> surfaceVertices(const Surface& surface) {
@@ -115,11 +125,13 @@ PackedMorph MorphPacker::pack(uint32_t morph) {
 // The morphs of a rig belong to nodes; the parts that show the node's mesh bring the vertices.
 void MorphPacker::gather(uint32_t morph) {
   std::vector<bool> moves(displacement_.size());
+  across_ = 0.0f;
   for (const SurfacePart& span : surface_.parts) {
     const Part& part = scene_.parts[span.source_part];
     const Primitive& primitive = scene_.primitives[part.primitive];
     if (morph < part.first_morph || morph - part.first_morph >= primitive.morphs.size()) continue;
     const MorphDelta& delta = primitive.morphs[morph - part.first_morph];
+    if (!delta.vertices.empty()) across_ = std::max(across_, largestSide(primitive.positions));
     for (size_t i = 0; i < delta.vertices.size(); ++i) {
       const uint32_t v = asset_vertex_[span.vertex_begin + delta.vertices[i]];
       moves[v] = true;
@@ -148,7 +160,8 @@ double MorphPacker::positionStep() const {
       miss = std::max(miss, std::abs(displacement_[v][c] - 0.5f * predictor_.twice(displacement_, v, c)));
     misses.push_back(miss);
   }
-  const double coarsest = double{quantile(edges, 1, 20)} / kStepsAShortEdge;
+  const double coarsest =
+      std::min(double{quantile(edges, 1, 20)} / kStepsAShortEdge, double{across_} / kStepsAcross);
   const double cheapest = moved_.size() <= kFew ? 0.0 : double{quantile(misses, 3, 4)} / double{kCheap};
   const double finest = double{largest(displacement_, moved_)} / ((1 << (kPositionDeltaBits - 1)) - 1);
   return std::max(std::min(coarsest, cheapest), finest);

@@ -21,8 +21,8 @@ struct PackedMorph {
 };
 
 // The step of a target is at most 1/64 of the short edges where it moves something, at rest and posed alike
-// (the 5th percentile; an edge that it squeezes to less than 1/8 counts as 1/8, where alpha ends), as far as
-// 24 bits allow; and finer where that costs little: a displacement that the mesh foretells, as a stretch or
+// (the 5th percentile; an edge that it squeezes to less than 1/8 counts as 1/8, where alpha ends) and 2^-15 of
+// the largest side of the parts that it moves, as far as 24 bits allow; and finer where that costs little: a displacement that the mesh foretells, as a stretch or
 // a rotation of the whole, is kept to 24 bits. Normals have 8 bits of the largest change.
 class MorphPacker {
  public:
@@ -47,6 +47,7 @@ class MorphPacker {
   MorphPredictor predictor_;
   // Of the target at hand: what moves, ascending, and by how much; zero elsewhere.
   std::vector<uint32_t> moved_;
+  float across_ = 0.0f;  // largest side, at rest, of the parts that it moves
   Float3Field displacement_, bend_;
   std::vector<Int3> field_;
 };

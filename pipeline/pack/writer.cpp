@@ -121,8 +121,14 @@ class Writer {
     for (const DriverRecipe& driver : recipe.drivers)
       for (size_t m = 0; m < in_.scene.rig.morphs.size(); ++m)
         if (in_.scene.rig.morphs[m].name == driver.morph) {
+          std::vector<float> curve;
+          for (const auto& [in, out] : driver.curve) {
+            curve.push_back(static_cast<float>(in));
+            curve.push_back(static_cast<float>(out));
+          }
+          const auto points = curve.empty() ? Offset<flatbuffers::Vector<float>>() : b_.CreateVector(curve);
           drivers.push_back(
-              format::CreateDriver(b_, static_cast<uint32_t>(m), static_cast<float>(driver.gain)));
+              format::CreateDriver(b_, static_cast<uint32_t>(m), static_cast<float>(driver.gain), points));
           break;  // one mesh's target drives; its namesakes on other meshes move with it
         }
     return format::CreateLayer(b_, b_.CreateString(recipe.name), static_cast<uint8_t>(recipe.measure),

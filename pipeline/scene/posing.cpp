@@ -90,6 +90,8 @@ class Sampler {
   size_t components_ = 0;
 };
 
+}  // namespace
+
 std::vector<glm::dmat4> worldMatrices(const std::vector<Node>& nodes) {
   std::vector<glm::dmat4> world(nodes.size());
   std::vector<bool> done(nodes.size(), false);
@@ -106,8 +108,6 @@ std::vector<glm::dmat4> worldMatrices(const std::vector<Node>& nodes) {
   }
   return world;
 }
-
-}  // namespace
 
 Pose defaultPose(const Rig& rig) {
   Pose pose{rig.nodes, {}};

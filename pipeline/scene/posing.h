@@ -15,6 +15,9 @@ Pose defaultPose(const Rig& rig);
 // Overwrites what the clip animates with its values at `time`, clamped to the clip.
 void applyClip(const Rig& rig, const Clip& clip, double time, Pose& pose);
 
+// Local to root space, a node.
+std::vector<glm::dmat4> worldMatrices(const std::vector<Node>& nodes);
+
 // World matrices of the nodes and from them the palette.
 PosedRig evaluate(const Rig& rig, const Pose& pose);
 

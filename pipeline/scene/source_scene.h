@@ -30,7 +30,7 @@ struct MorphDelta {
   std::vector<glm::vec3> normals;  // empty if the target has none
 };
 
-// A triangle list. Strips and fans have been turned into lists; points and lines are not here.
+// A triangle list. Strips and fans have been turned into lists; points are left out.
 struct Primitive {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;
@@ -58,6 +58,13 @@ struct Part {
   uint32_t first_morph = 0;  // the primitive's morph i is rig.morphs[first_morph + i]
 };
 
+// Lines as one node shows them: no surface, but guide curves for directions.
+struct Lines {
+  std::string mesh;
+  uint32_t node = 0;
+  std::vector<glm::vec3> points;  // two a line, in the node's space
+};
+
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};  // linear
@@ -67,9 +74,11 @@ struct SourceScene {
   std::filesystem::path file;
   std::vector<Primitive> primitives;
   std::vector<Part> parts;  // by mesh in file order, then primitive, then node: this is source vertex order
+  std::vector<Lines> lines;
   std::vector<Material> materials;
   Rig rig;
   bool sequence = false;                            // the morph targets are the frames of the one clip
+  uint32_t polygons = 0;                            // faces of more than three corners, cut into triangles
   std::vector<std::string> warnings;                // one line each, without the file's name
   std::vector<std::filesystem::path> dependencies;  // every file read, `file` first
 };

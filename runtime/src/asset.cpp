@@ -29,6 +29,7 @@ struct Asset::Storage {
   std::vector<Morph> morphs;
   std::vector<Layer> layers;
   std::vector<Driver> drivers;
+  std::deque<std::vector<Float2>> curves;
   std::vector<TextureSet> texture_sets;
   // What morphs and layers point into; a deque does not move its elements.
   std::deque<std::vector<uint32_t>> words;
@@ -176,7 +177,8 @@ class Loader {
     if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok())
       return status;
     for (size_t i = 0; i < places; ++i)
-      if (s_.place_points[2 * i] > points() || s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i])
+      if (s_.place_points[2 * i] >= points() || s_.place_points[2 * i + 1] == 0 ||
+          s_.place_points[2 * i + 1] > points() - s_.place_points[2 * i])
         return bad("a place's points are out of range");
     return {};
   }
@@ -366,7 +368,17 @@ class Loader {
         const format::Driver* driver = layer->drivers()->Get(static_cast<uint32_t>(i));
         if (driver->morph() >= s_.morphs.size() || !std::isfinite(driver->gain()))
           return bad("a driver is out of range");
-        s_.drivers.push_back({driver->morph(), driver->gain()});
+        s_.drivers.push_back({driver->morph(), driver->gain(), {}});
+        if (!driver->curve() || driver->curve()->size() == 0) continue;
+        if (driver->curve()->size() % 2 != 0) return bad("a driver's curve is not sound");
+        std::vector<Float2>& curve = s_.curves.emplace_back();
+        for (uint32_t c = 0; c < driver->curve()->size(); c += 2) {
+          curve.push_back({driver->curve()->Get(c), driver->curve()->Get(c + 1)});
+          if (!std::isfinite(curve.back().x) || !std::isfinite(curve.back().y) ||
+              (c > 0 && !(curve[curve.size() - 2].x < curve.back().x)))
+            return bad("a driver's curve is not sound");
+        }
+        s_.drivers.back().curve = curve;
       }
       out.driver_end = static_cast<uint32_t>(s_.drivers.size());
       if (out.mask_slice != kAbsent && out.mask_slice >= kMaxLayers)

@@ -4,6 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/cluster_frame.cpp"
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -168,7 +169,7 @@ HWY_INLINE RingLanes widened(const uint16_t* p) {
   return hn::ConvertTo(DRing(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
 }
 HWY_INLINE Block gather4(const float* from, const uint16_t* index) {
-#if HWY_ARCH_X86  // four loads: gather instructions are slower on most CPUs
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128  // four loads: gather instructions are slower on most CPUs
   uint64_t four;
   std::memcpy(&four, index, sizeof four);
   return Block{_mm_setr_ps(from[four & 0xffff], from[four >> 16 & 0xffff], from[four >> 32 & 0xffff],
@@ -201,6 +202,8 @@ HWY_INLINE void storeMean(const Ring& ring, const uint16_t* totals, float* q) {
 
 #endif
 
+constexpr uint32_t kFetchEvery = 4;  // neighbouring slots mostly share a cache line
+
 // x, y, z and anything; the last vertex of an array must not be read beyond.
 HWY_INLINE void copyPosition(const std::byte* from, bool last, float* to) {
   if (last) {
@@ -211,18 +214,28 @@ HWY_INLINE void copyPosition(const std::byte* from, bool last, float* to) {
   }
 }
 
-HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
-  const uint32_t* vertex = &job.clusters->slot_vertex[c.slot_begin];
+HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, const Cluster& next,
+                                  float* out) {
+  const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
+  const uint32_t* soon = &job.clusters->words[next.slot_vertex];
   const uint32_t last = job.clusters->asset->vertexCount() - 1;
+  for (uint32_t s = 0; s < next.slots; s += kFetchEvery)
+    hwy::Prefetch(job.posed + soon[s] * job.posed_stride);
   for (uint32_t s = 0; s < c.slots; ++s)
     copyPosition(job.posed + vertex[s] * job.posed_stride, vertex[s] == last, out + 4 * size_t{s});
 }
 
-HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
+HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, const Cluster& next, float* out) {
   const Clusters& clusters = *job.clusters;
   const AssetView& asset = *clusters.asset;
-  const uint32_t* vertex = &clusters.slot_vertex[c.slot_begin];
+  const uint32_t* vertex = &clusters.words[c.slot_vertex];
+  const uint32_t* soon = &clusters.words[next.slot_vertex];
   const uint32_t last = asset.vertexCount() - 1;
+  for (uint32_t s = 0; s < next.slots; s += kFetchEvery) {
+    hwy::Prefetch(&asset.positions[soon[s]]);
+    hwy::Prefetch(&asset.joints[size_t{soon[s]} * asset.influences]);
+    hwy::Prefetch(&asset.weights[size_t{soon[s]} * asset.influences]);
+  }
   for (uint32_t s = 0; s < c.slots; ++s)
     copyPosition(reinterpret_cast<const std::byte*>(&asset.positions[vertex[s]]), vertex[s] == last,
                  out + 4 * size_t{s});
@@ -352,24 +365,37 @@ struct Principal {
   }
 };
 
-template <typename Measure>
-HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const float* coefficients, float scale,
-                        const float* positions, float* q) {
-  const Lanes inverse_scale2 = all(1.0f / (scale * scale));
-  for (uint32_t group = 0; group < c.triangles;
-       group += kTriangleLanes, coefficients += Measure::kCoefficients * kTriangleLanes)
-    for (uint32_t i = 0; i < kTriangleLanes; i += 4 * kBlocks)
-      store(clampQ(Measure::of(positions, corner + 3 * size_t{group + i}, coefficients + i, inverse_scale2)),
-            q + group + i);
+// While a cluster is worked on, the memory of the next one is fetched, at the same pace: its words lie
+// `ahead` bytes further on.
+HWY_INLINE void fetch(const void* at, size_t ahead, size_t bytes) {
+  for (size_t line = 0; line < bytes; line += 64) hwy::Prefetch(static_cast<const char*>(at) + ahead + line);
 }
 
-HWY_INLINE void smooth(const Clusters& clusters, const Cluster& c, const uint16_t* totals,
+template <typename Measure>
+HWY_INLINE void measure(const Cluster& c, size_t ahead, const uint16_t* corner, const float* coefficients,
+                        float scale, const float* positions, float* q) {
+  const Lanes inverse_scale2 = all(1.0f / (scale * scale));
+  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes, corner += 3 * kTriangleLanes) {
+    fetch(corner, ahead, 3 * kTriangleLanes * sizeof(uint16_t));
+    fetch(coefficients, ahead, Measure::kCoefficients * kTriangleLanes * sizeof(float));
+    for (uint32_t i = 0; i < kTriangleLanes; i += 4 * kBlocks)
+      store(clampQ(Measure::of(positions, corner + 3 * i, coefficients + i, inverse_scale2)), q + group + i);
+    coefficients += Measure::kCoefficients * kTriangleLanes;
+  }
+}
+
+HWY_INLINE void smooth(const Cluster& c, size_t ahead, const uint32_t* words, const uint16_t* totals,
                        const float* triangle_q, float* q) {
-  for (uint32_t i = c.chunk_begin; i < c.chunk_end; ++i, q += kRingLanes, totals += kRingLanes) {
-    const RingChunk chunk = clusters.chunks[i];
-    const uint16_t* entry = clusters.ring_entries.data() + chunk.entry_begin;
+  const uint32_t* chunk = words + c.chunks;
+  for (uint32_t point = 0; point < c.points;
+       point += kRingLanes, ++chunk, q += kRingLanes, totals += kRingLanes) {
     Ring ring;
-    for (uint32_t k = 0; k < chunk.length; ++k, entry += 2 * kRingLanes) addStep(ring, triangle_q, entry);
+    const auto* end = reinterpret_cast<const uint16_t*>(words + chunk[1]);
+    for (const auto* entry = reinterpret_cast<const uint16_t*>(words + chunk[0]); entry < end;
+         entry += 2 * kRingLanes) {
+      if (!(reinterpret_cast<uintptr_t>(entry) & 63)) fetch(entry, ahead, 64);
+      addStep(ring, triangle_q, entry);
+    }
     storeMean(ring, totals, q);
   }
 }
@@ -377,27 +403,33 @@ HWY_INLINE void smooth(const Clusters& clusters, const Cluster& c, const uint16_
 void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScratch& scratch) {
   const Clusters& clusters = *job.clusters;
   const AssetView& asset = *clusters.asset;
+  const uint32_t* words = clusters.words.data();
+  const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
+  const Cluster& next = clusters.clusters[std::min(index + 1, clusters.clusters.size() - 1)];
+  const size_t ahead = size_t{next.slot_vertex - c.slot_vertex} * sizeof(uint32_t);
   if (job.posed)
-    copyHostPositions(job, c, scratch.positions);
+    copyHostPositions(job, c, next, scratch.positions);
   else
-    posePositions(job, c, scratch.positions);
-  const uint16_t* corner = clusters.corners.data() + 3 * size_t{c.triangle_begin};
-  const uint16_t* extra = clusters.extra_point.data() + c.extra_begin;
-  const uint32_t* vertex = &clusters.slot_vertex[c.slot_begin];
+    posePositions(job, c, next, scratch.positions);
+  const auto* corner = reinterpret_cast<const uint16_t*>(words + c.corners);
+  const auto* extra = reinterpret_cast<const uint16_t*>(words + c.extra_point);
+  const uint32_t* vertex = words + c.slot_vertex;
   const size_t stride = asset.weightStride();
   for (uint32_t l = 0; l < asset.layerCount(); ++l) {
     const Layer& layer = asset.layers[l];
     if (c.covered >> l & 1u) {
-      const Clusters::Layer& data = clusters.layers[l];
-      const float* coefficients =
-          data.coefficients.data() + size_t{c.triangle_begin} * coefficientCount(layer.measure);
+      const auto* coefficients =
+          reinterpret_cast<const float*>(words + clusters.layer_words[index * asset.layerCount() + l]);
+      const auto* totals = reinterpret_cast<const uint16_t*>(
+          coefficients + size_t{c.triangles} * coefficientCount(layer.measure));
       if (layer.measure == Measure::kDirectional)
-        measure<Directional>(c, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
+        measure<Directional>(c, ahead, corner, coefficients, job.scale, scratch.positions,
+                             scratch.triangle_q);
       else if (layer.measure == Measure::kArea)
-        measure<Area>(c, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
+        measure<Area>(c, ahead, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
       else
-        measure<Principal>(c, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
-      smooth(clusters, c, data.totals.data() + c.total_begin, scratch.triangle_q, scratch.q);
+        measure<Principal>(c, ahead, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
+      smooth(c, ahead, words, totals, scratch.triangle_q, scratch.q);
       for (uint32_t i = c.points; i < c.vertices; ++i) scratch.q[i] = scratch.q[extra[i - c.points]];
     } else {
       std::fill_n(scratch.q, c.vertices, 1.0f);
@@ -409,10 +441,9 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
         scratch.bias[i] = static_cast<float>(layer.bias[vertex[i]]) * (1.0f / 32767.0f);
     const Response& response = job.responses.empty() ? layer.response : job.responses[l];
     const float region = job.region_weights.empty() ? 0.0f : job.region_weights[l];
-    if (response.curve == Curve::kOat)
-      respondBlock(OatCurve(), scratch.q, scratch.bias, region, c.vertices, scratch.weights);
-    else
-      respondBlock(LarssonCurve(response), scratch.q, scratch.bias, region, c.vertices, scratch.weights);
+    withCurve(response, [&](const auto& curve) {
+      respondBlock(curve, scratch.q, scratch.bias, region, c.vertices, scratch.weights);
+    });
     for (uint32_t i = 0; i < c.vertices; ++i) job.weights[vertex[i] * stride + l] = scratch.weights[i];
   }
 }

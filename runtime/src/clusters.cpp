@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <new>
 #include <numeric>
 
@@ -9,6 +10,7 @@ namespace {
 
 constexpr uint32_t kMostSlots = 16384;      // a corner is 4 * slot in 16 bits
 constexpr uint32_t kMostTriangles = 65536;  // a ring entry has 16 bits
+constexpr size_t kLineWords = 16;           // clusters begin at cache lines
 
 float coordinate(Float3 p, int axis) {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
@@ -23,7 +25,6 @@ class Builder {
         vertex_slot_(asset.vertexCount(), kAbsent) {}
 
   Status build() {
-    out_.layers.resize(a_.layerCount());
     listVertices();
     std::vector<uint32_t> points(a_.pointCount());
     std::iota(points.begin(), points.end(), 0u);
@@ -90,43 +91,56 @@ class Builder {
 
     Cluster c = {};
     c.points = static_cast<uint32_t>(points.size());
-    c.slot_begin = static_cast<uint32_t>(out_.slot_vertex.size());
     listSlots(points, c);
     const bool fits = c.slots <= kMostSlots && triangles_.size() + kTriangleLanes <= kMostTriangles;
     if (fits) {
       c.triangles =
           static_cast<uint32_t>((triangles_.size() + kTriangleLanes - 1) / kTriangleLanes * kTriangleLanes);
-      c.triangle_begin = static_cast<uint32_t>(out_.corners.size() / 3);
+      c.slot_vertex = reserve(c.slots);
+      std::copy(slots_.begin(), slots_.end(), &out_.words[c.slot_vertex]);
+      c.extra_point = addHalves(extra_, extra_.size());
+      halves_.clear();
       for (uint32_t t : triangles_)
         for (int k = 0; k < 3; ++k)
-          out_.corners.push_back(
-              static_cast<uint16_t>(4 * vertex_slot_[a_.surface_indices[3 * size_t{t} + k]]));
-      out_.corners.resize(3 * (size_t{c.triangle_begin} + c.triangles), 0);
-      addRings(points, c);
+          halves_.push_back(static_cast<uint16_t>(4 * vertex_slot_[a_.surface_indices[3 * size_t{t} + k]]));
+      c.corners = addHalves(halves_, 3 * size_t{c.triangles});
       addLayers(points, c);
+      addRings(points, c);
       addMorphs(c);
+      out_.words.resize((out_.words.size() + kLineWords - 1) / kLineWords * kLineWords, 0);
       out_.clusters.push_back(c);
-    } else {
-      out_.slot_vertex.resize(c.slot_begin);
-      out_.extra_point.resize(c.extra_begin);
     }
     for (uint32_t v : slots_) vertex_slot_[v] = kAbsent;
     for (uint32_t t : triangles_) triangle_local_[t] = kAbsent;
     return fits;
   }
 
+  uint32_t reserve(size_t words) {
+    const auto begin = static_cast<uint32_t>(out_.words.size());
+    out_.words.resize(begin + words, 0);
+    return begin;
+  }
+
+  // As words, padded with zeros to `count` and to whole words.
+  uint32_t addHalves(std::span<const uint16_t> halves, size_t count) {
+    const uint32_t begin = reserve((count + 1) / 2);
+    for (size_t i = 0; i < halves.size(); ++i)
+      out_.words[begin + i / 2] |= uint32_t{halves[i]} << (16 * (i % 2));
+    return begin;
+  }
+
   void listSlots(std::span<const uint32_t> points, Cluster& c) {
     slots_.clear();
+    extra_.clear();
     const auto slot = [&](uint32_t vertex) {
       vertex_slot_[vertex] = static_cast<uint32_t>(slots_.size());
       slots_.push_back(vertex);
     };
     for (uint32_t p : points) slot(a_.point_vertex[p]);
-    c.extra_begin = static_cast<uint32_t>(out_.extra_point.size());
     for (size_t i = 0; i < points.size(); ++i)
       for (uint32_t k = first_vertex_[points[i]] + 1; k < first_vertex_[points[i] + 1]; ++k) {
         slot(vertices_[k]);
-        out_.extra_point.push_back(static_cast<uint16_t>(i));
+        extra_.push_back(static_cast<uint16_t>(i));
       }
     c.vertices = static_cast<uint32_t>(slots_.size());
     for (uint32_t t : triangles_)
@@ -135,55 +149,56 @@ class Builder {
         if (vertex_slot_[v] == kAbsent) slot(v);
       }
     c.slots = static_cast<uint32_t>(slots_.size());
-    out_.slot_vertex.insert(out_.slot_vertex.end(), slots_.begin(), slots_.end());
   }
 
   void addRings(std::span<const uint32_t> points, Cluster& c) {
-    c.chunk_begin = static_cast<uint32_t>(out_.chunks.size());
-    for (size_t first = 0; first < points.size(); first += kRingLanes) {
-      const RingChunk chunk = {static_cast<uint32_t>(out_.ring_entries.size()), degree(points[first])};
-      out_.ring_entries.resize(chunk.entry_begin + size_t{2} * kRingLanes * chunk.length, 0);
+    const size_t chunks = (points.size() + kRingLanes - 1) / kRingLanes;
+    c.chunks = reserve(chunks + 1);
+    for (size_t i = 0; i < chunks; ++i) {
+      const size_t first = i * kRingLanes, length = degree(points[first]);
+      halves_.assign(2 * kRingLanes * length, 0);
       for (size_t lane = 0; lane < kRingLanes && first + lane < points.size(); ++lane) {
         const uint32_t ring = a_.ring_offsets[points[first + lane]];
         for (uint32_t k = 0; k < degree(points[first + lane]); ++k) {
-          uint16_t* step = &out_.ring_entries[chunk.entry_begin + size_t{2} * kRingLanes * k];
+          uint16_t* step = &halves_[size_t{2} * kRingLanes * k];
           step[lane] = static_cast<uint16_t>(triangle_local_[a_.ring_triangles[ring + k]]);
           step[kRingLanes + lane] = a_.ring_weights[ring + k];
         }
       }
-      out_.chunks.push_back(chunk);
+      const uint32_t begin = addHalves(halves_, halves_.size());
+      out_.words[c.chunks + i] = begin;
     }
-    c.chunk_end = static_cast<uint32_t>(out_.chunks.size());
+    out_.words[c.chunks + chunks] = static_cast<uint32_t>(out_.words.size());
   }
 
   void addLayers(std::span<const uint32_t> points, Cluster& c) {
     const size_t padded = (points.size() + kRingLanes - 1) / kRingLanes * kRingLanes;
-    c.total_begin = total_count_;
-    total_count_ += static_cast<uint32_t>(padded);
     for (uint32_t l = 0; l < a_.layerCount(); ++l) {
       const uint32_t each = coefficientCount(a_.layers[l].measure);
-      if (each == 0) continue;
       const std::span<const float> all = a_.layers[l].coefficients;
-      Clusters::Layer& layer = out_.layers[l];
       const auto measured = [&](uint32_t t) {
         for (uint32_t k = 0; k < each; ++k)
           if (all[size_t{t} * each + k] != 0.0f) return true;
         return false;
       };
-      layer.coefficients.resize((size_t{c.triangle_begin} + c.triangles) * each, 0.0f);
+      out_.layer_words.push_back(static_cast<uint32_t>(out_.words.size()));
+      if (std::none_of(triangles_.begin(), triangles_.end(), measured)) continue;
+      c.covered |= 1u << l;
+      const uint32_t coefficients = reserve(size_t{c.triangles} * each);
       for (size_t i = 0; i < triangles_.size(); ++i) {
-        if (measured(triangles_[i])) c.covered |= 1u << l;
-        float* group = &layer.coefficients[(c.triangle_begin + i / kTriangleLanes * kTriangleLanes) * each];
+        const size_t group = coefficients + i / kTriangleLanes * kTriangleLanes * each;
         for (uint32_t k = 0; k < each; ++k)
-          group[k * kTriangleLanes + i % kTriangleLanes] = all[size_t{triangles_[i]} * each + k];
+          out_.words[group + k * kTriangleLanes + i % kTriangleLanes] =
+              std::bit_cast<uint32_t>(all[size_t{triangles_[i]} * each + k]);
       }
+      halves_.clear();
       for (uint32_t p : points) {
         uint32_t total = 0;
         for (uint32_t i = a_.ring_offsets[p]; i < a_.ring_offsets[p + 1]; ++i)
           if (measured(a_.ring_triangles[i])) total += a_.ring_weights[i];
-        layer.totals.push_back(static_cast<uint16_t>(total));
+        halves_.push_back(static_cast<uint16_t>(total));
       }
-      layer.totals.resize(total_count_, 0);
+      addHalves(halves_, padded);
     }
   }
 
@@ -209,7 +224,7 @@ class Builder {
   std::vector<uint32_t> first_vertex_, vertices_;  // vertices of each point
   std::vector<uint32_t> triangle_local_, vertex_slot_;
   std::vector<uint32_t> triangles_, slots_;  // of the cluster at hand
-  uint32_t total_count_ = 0;
+  std::vector<uint16_t> extra_, halves_;
 };
 
 }  // namespace

@@ -45,13 +45,12 @@ Status RespondJob::validate() const {
 }
 
 void RespondJob::run(uint32_t begin, uint32_t end) const {
-  if (response.curve == Curve::kOat) return respondVertices(*this, begin, end, OatCurve());
-  respondVertices(*this, begin, end, LarssonCurve(response));
+  withCurve(response, [&](const auto& curve) { respondVertices(*this, begin, end, curve); });
 }
 
 float respond(const Response& response, float q, float bias, float region) {
-  q = std::max(q, kMinQ);
-  const float weight = response.curve == Curve::kOat ? OatCurve()(q) : LarssonCurve(response)(q);
+  float weight = 0.0f;
+  withCurve(response, [&](const auto& curve) { weight = curve(std::max(q, kMinQ)); });
   return clampUnit((weight + bias) + region);
 }
 

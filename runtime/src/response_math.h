@@ -53,23 +53,48 @@ inline int16_t toSnorm16(float w) {
   return static_cast<int16_t>(std::bit_cast<int32_t>(w * 32767.0f + 12582912.0f) - 0x4b400000);
 }
 
-// A response made ready for many q.
+// Responses made ready for many q >= kMinQ.
+
+struct OatCurve {
+  float operator()(float q) const { return 1.0f - q; }
+};
+
 struct LarssonCurve {
   explicit LarssonCurve(const Response& r)
       : log_lambda(fastLog2(r.lambda)),
         beta(r.beta),
         log_stretch_lambda(fastLog2(r.stretch_lambda)),
         stretch_beta(r.stretch_beta) {}
-  float operator()(float q) const {  // q >= kMinQ
+  float operator()(float q) const {
     const float log_alpha = -fastLog2(q);
     return intensity(log_alpha, log_lambda, beta) - intensity(-log_alpha, log_stretch_lambda, stretch_beta);
   }
   float log_lambda, beta, log_stretch_lambda, stretch_beta;
 };
 
-struct OatCurve {
-  float operator()(float q) const { return 1.0f - q; }
+// The same bits at half the cost where no q answers to both lambdas, which then are at least 1.
+struct OneSidedLarssonCurve : LarssonCurve {
+  using LarssonCurve::LarssonCurve;
+  float operator()(float q) const {
+    const float log_alpha = -fastLog2(q);
+    const bool squeezed = log_alpha >= 0.0f;
+    const float weight =
+        intensity(squeezed ? log_alpha : -log_alpha, squeezed ? log_lambda : log_stretch_lambda,
+                  squeezed ? beta : stretch_beta);
+    return squeezed ? weight : -weight;
+  }
 };
+
+// Calls `use` with the curve that computes the response.
+template <typename Use>
+inline void withCurve(const Response& response, Use use) {
+  if (response.curve == Curve::kOat)
+    use(OatCurve());
+  else if (response.lambda >= 1.0f && response.stretch_lambda >= 1.0f)
+    use(OneSidedLarssonCurve(response));
+  else
+    use(LarssonCurve(response));
+}
 
 // The weights of `count` vertices from their q and bias.
 template <typename Function>

@@ -164,9 +164,9 @@ void copyOfItsBytes(benchmark::State& state) {
   state.counters["bytes"] = static_cast<double>(bytes);
 }
 
-BENCHMARK(eigenRings)->Arg(222)->Arg(707)->Unit(benchmark::kMicrosecond);
+BENCHMARK(eigenRings)->Arg(64)->Arg(222)->Arg(707)->Unit(benchmark::kMicrosecond);
 BENCHMARK(fromPosed)
-    ->ArgsProduct({{222, 300, 707}, {0, 1, 2, 3, 4}})
+    ->ArgsProduct({{64, 222, 300, 707}, {0, 1, 2, 3, 4}})
     ->ArgNames({"side", "form"})
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK(wholeFrame)

@@ -133,6 +133,24 @@ TEST_F(BadInput, RecipeWithAKeyNobodyKnows) {
   EXPECT_NE(cook(folder() / "sheet.glb", {"--recipe", folder() / "recipe.json"}).err.find("\"direction\""),
             std::string::npos);
 }
+TEST_F(BadInput, DirectionsThatCannotBeHad) {
+  const auto expectFault = [&](const std::string& direction, const std::string& named) {
+    const std::string text = R"({"layers": [{"name": "a", "direction": )" + direction + "}]}";
+    expectBadRecipe(sheet(), text, "recipe.json");
+    EXPECT_NE(cook(folder() / "sheet.glb", {"--recipe", folder() / "recipe.json"}).err.find(named),
+              std::string::npos)
+        << named;
+  };
+  write("flow.png", "not an image");
+  expectFault(R"({"guides": [[[0, 0, 0]]]})", "guides[0]");
+  expectFault(R"({"guides": [[[0, 0.5, 0], [1, 0.5, NaN]]]})", "line 1");
+  expectFault(R"({"guides": [[[0, 0.5, 0], [0, 0.5, 0]]]})", "no length");
+  expectFault(R"({"guides": [[[0, 0.5, 0], [1, 0.5, 2]]]})", "(1, 0.5, 2) is 2 from");
+  expectFault(R"({"guides": {"lines": "Creases"}})", "\"Creases\"");
+  expectFault(R"({"texture": "missing.png"})", "missing.png");
+  expectFault(R"({"texture": "flow.png"})", "no UVs");
+  expectFault(R"("map")", "\"compress\" names no image");
+}
 TEST_F(BadInput, RecipeNamingAMissingTexture) {
   expectBadRecipe(sheet(),
                   R"({"layers": [{"name": "a", "mask": {"texture": "missing.png", "channel": "r"}}]})",

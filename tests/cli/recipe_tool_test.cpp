@@ -125,6 +125,27 @@ TEST_F(RecipeTool, TheRecipeItWritesIsValidByTheSchema) {
   EXPECT_NE(std::system((check + wrong).c_str()), 0);
 }
 
+TEST_F(RecipeTool, ATakePlaysTheMorphTargetsItHasShapesFor) {
+  const std::string take = write("take.csv",
+                                 "Timecode,BlendshapeCount,SQUEEZE,HeadYaw\n00:00:00:00,2,0,9\n"
+                                 "00:00:00:30,2,1,9\n00:00:01:00,2,0,9\n");
+  ASSERT_EQ(cook({"--quiet"}).status, 0);
+  const auto eval = [&](std::vector<std::string> pose) {
+    pose.insert(pose.begin(), {"eval", asset, "--backend", "cpu"});
+    return run(pose);
+  };
+  const Outcome played = eval({"--take", take, "--time", "0.15625"});
+  EXPECT_EQ(played.status, 0);
+  EXPECT_EQ(played.err, "furrow: " + take + ": warning: the asset has no morph target for HeadYaw\n");
+  EXPECT_EQ(played.out, eval({"--morph", "squeeze=0.25"}).out);  // frame 30 of 48 is at 0.625 s
+  EXPECT_EQ(eval({"--take", take}).out, eval({}).out);
+  EXPECT_EQ(eval({"--take", take, "--time", "0.1", "--morph", "squeeze=1"}).out,
+            eval({"--morph", "squeeze=1"}).out);
+  expectOneLine(eval({"--time", "1"}), 2, "--time");
+  expectOneLine(eval({"--take", write("bad.csv", "Timecode,a\n00:00:00:00,x\n")}), 1, "bad.csv: line 2: ");
+  expectOneLine(eval({"--take", folder() / "gone.csv"}), 1, "gone.csv");
+}
+
 TEST_F(RecipeTool, TheDepfileNamesWhatWasRead) {
   const std::string recipe = write("my recipe.json", R"({"layers":[{"name":"a"}]})");
   ASSERT_EQ(cook({"--recipe", recipe, "--depfile", output() / "out.d"}).status, 0);

@@ -105,6 +105,24 @@ TEST(ClusterFrame, SameBitsAsTheStagedFrame) {
   }
 }
 
+// The cheap form of the response must not be told from I(alpha) - I_s(1 / alpha).
+TEST(Respond, OneSidedIsTheWholeResponse) {
+  for (const Response response :
+       {Response{Curve::kLarsson, 1.0f, 4.0f, 1.0f, 4.0f}, Response{Curve::kLarsson, 1.7f, 2.5f, 1.0f, 9.0f},
+        Response{Curve::kLarsson, 1.0f, 16.0f, 3.0f, 0.5f},
+        Response{Curve::kLarsson, 0.7f, 4.0f, 0.9f, 4.0f}})
+    for (double q = 1.0 / 64; q <= 4.0; q *= 1.003) {
+      const double alpha = 1.0 / static_cast<float>(q);
+      const auto intensity = [](double a, double lambda, double beta) {
+        return std::max(0.0, 1.0 - 2.0 / (1.0 + std::pow(a / lambda, beta)));
+      };
+      EXPECT_NEAR(respond(response, static_cast<float>(q), 0.0f, 0.0f),
+                  intensity(alpha, response.lambda, response.beta) -
+                      intensity(1.0 / alpha, response.stretch_lambda, response.stretch_beta),
+                  4e-6);
+    }
+}
+
 TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
   const Asset asset = tests::cookAsset(bumpy(40), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
   const AssetView& view = asset.view();
@@ -141,7 +159,7 @@ TEST(ClusterFrame, EveryPointIsOwnedOnceAndRingsAreWhole) {
   uint32_t triangles = 0, slots = 0;
   for (const Cluster& c : clusters.clusters) {
     EXPECT_LE(c.points, kClusterPoints);
-    for (uint32_t s = 0; s < c.vertices; ++s) owned.insert(clusters.slot_vertex[c.slot_begin + s]);
+    for (uint32_t s = 0; s < c.vertices; ++s) owned.insert(clusters.words[c.slot_vertex + s]);
     triangles += c.triangles;
     slots += c.slots;
   }

@@ -253,6 +253,40 @@ TEST(Import, StripsAndFansBecomeLists) {
               HasSubstr("no triangles"));
 }
 
+TEST(Import, LinesBecomeGuidesBesideTheSurface) {
+  GltfBuilder file;
+  file.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  file.add<float>({0, 0, 1, 1, 0, 1, 2, 0, 1, 3, 0, 1}, "VEC3", 3);
+  const auto lines = [&](int mode) {
+    const SourceScene scene = importText(
+        "lines.glb",
+        file.glb(
+            R"("scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0},{"mesh":1,"name":"curve","translation":[5,0,0]}],
+          "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},
+            {"name":"Creases","primitives":[{"attributes":{"POSITION":1},"mode":)" +
+            std::to_string(mode) + "}]}]"));
+    EXPECT_THAT(scene.warnings, IsEmpty());
+    EXPECT_EQ(scene.parts.size(), 1u);
+    EXPECT_EQ(scene.lines.at(0).mesh, "Creases");
+    EXPECT_EQ(scene.lines.at(0).node, 1u);
+    std::vector<float> x;
+    for (const glm::vec3& p : scene.lines.at(0).points) x.push_back(p.x);
+    return x;
+  };
+  EXPECT_THAT(lines(1), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(lines(2), ElementsAre(0, 1, 1, 2, 2, 3, 3, 0));
+  EXPECT_THAT(lines(3), ElementsAre(0, 1, 1, 2, 2, 3));
+}
+
+TEST(Import, LinesThatAreNotFiniteAreRefused) {
+  GltfBuilder file;
+  file.add<float>({0, 0, 0, 1, 0, std::numeric_limits<float>::quiet_NaN()}, "VEC3", 3);
+  EXPECT_THAT(refusalOf("nan.glb", file.glb(shown(R"({"attributes":{"POSITION":0},"mode":3})"))),
+              HasSubstr("a position that is not finite"));
+  EXPECT_THAT(refusalOf("far.glb", file.glb(shown(R"({"attributes":{"POSITION":7},"mode":3})"))),
+              HasSubstr("7"));
+}
+
 TEST(Import, OneMeshShownTwiceIsOnePrimitive) {
   const SourceScene scene = importText(
       "twice.glb",

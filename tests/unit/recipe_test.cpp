@@ -34,13 +34,17 @@ constexpr const char* kEverything = R"({
       "bias": { "attribute": "COLOR_0", "channel": "b", "neutral": 0.25 },
       "compress": { "normal": "map.png", "green": "directx", "limit": 0.6, "shading": "dark.png" },
       "stretch": { "synthesize": { "preset": "cloth", "spacing": 0.004, "depth": 0.0005, "seed": 7 }, "shading": "map.png" },
-      "drivers": [ { "morph": "browInnerUp", "gain": -0.5 }, { "morph": "squint" } ] },
+      "drivers": [ { "morph": "browInnerUp", "gain": -0.5 }, { "morph": "squint", "curve": [[0.25, 0], [1, 0.5]] } ] },
     { "name": "cheeks",
       "direction": { "attribute": "_FLOW" },
       "mask": { "attribute": "COLOR_1", "channel": "a" },
       "compress": { "height": "map.png", "depth": 0.25, "light": [0, 6, 8] },
       "stretch": "none" },
-    { "name": "neck", "direction": { "animation": {} }, "mask": "none", "response": { "fit": 0.75 } }
+    { "name": "neck", "direction": { "animation": {} }, "mask": "none", "response": { "fit": 0.75 } },
+    { "name": "chin", "direction": { "texture": "map.png" } },
+    { "name": "ear", "direction": "map", "compress": { "normal": "map.png" } },
+    { "name": "brow", "direction": { "guides": [[[0, 1, 2], [3, 4, 5], [6, 7, 8]], [[1, 1, 1], [2, 2, 2]]] } },
+    { "name": "lip", "direction": { "guides": { "lines": "Creases" } } }
   ]
 })";
 
@@ -93,7 +97,7 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(rest.time, 0.5);
   EXPECT_EQ(recipe.weld_tolerance, 0.001);
   EXPECT_EQ(recipe.map_size, 512u);
-  ASSERT_EQ(recipe.layers.size(), 3u);
+  ASSERT_EQ(recipe.layers.size(), 7u);
 
   const LayerRecipe& a = recipe.layers[0];
   EXPECT_EQ(a.name, "forehead");
@@ -127,6 +131,8 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(a.drivers[0].morph, "browInnerUp");
   EXPECT_EQ(a.drivers[0].gain, -0.5);
   EXPECT_EQ(a.drivers[1].gain, 1.0);
+  EXPECT_TRUE(a.drivers[0].curve.empty());
+  EXPECT_THAT(a.drivers[1].curve, ElementsAre(ElementsAre(0.25, 0.0), ElementsAre(1.0, 0.5)));
 
   const LayerRecipe& b = recipe.layers[1];
   EXPECT_EQ(std::get<DirectionAttribute>(b.direction).name, "_FLOW");
@@ -141,6 +147,14 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_TRUE(std::holds_alternative<DirectionAnimation>(recipe.layers[2].direction));
   EXPECT_TRUE(std::holds_alternative<MaskNone>(recipe.layers[2].mask));
   EXPECT_EQ(recipe.layers[2].fit, 0.75);
+  EXPECT_EQ(std::get<DirectionTexture>(recipe.layers[3].direction).texture, folder_ / "map.png");
+  EXPECT_TRUE(std::holds_alternative<DirectionMap>(recipe.layers[4].direction));
+  const DirectionGuides& curves = std::get<DirectionGuides>(recipe.layers[5].direction);
+  ASSERT_EQ(curves.curves.size(), 2u);
+  EXPECT_THAT(curves.curves[0],
+              ElementsAre(ElementsAre(0, 1, 2), ElementsAre(3, 4, 5), ElementsAre(6, 7, 8)));
+  EXPECT_EQ(curves.lines, "");
+  EXPECT_EQ(std::get<DirectionGuides>(recipe.layers[6].direction).lines, "Creases");
 }
 
 // A key that the table has and the reader forgot would not be in kEverything either.
@@ -184,6 +198,19 @@ TEST_F(RecipeTest, WritesEveryKey) {
   std::filesystem::create_directory(folder_ / "sub");
   EXPECT_NE(recipeText(read(kEverything), folder_ / "sub" / "recipe.json").find("\"../map.png\""),
             std::string::npos);
+}
+
+TEST_F(RecipeTest, DriversMayBeATable) {
+  const LayerRecipe read_layer = layer(R"("drivers": "arkit:crowsFeetLeft")");
+  EXPECT_EQ(read_layer.driver_table, "arkit:crowsFeetLeft");
+  EXPECT_TRUE(read_layer.drivers.empty());
+  EXPECT_THAT(layerError(R"("drivers": "arkit:ear")"), testing::HasSubstr("give \"arkit:forehead\", "));
+  EXPECT_EQ(
+      layerError(R"("drivers": [{"morph": "m", "curve": [[0, 0], [0, 1]]}])"),
+      "layers[0].drivers[0].curve: its points are not in ascending order: sort them by their first number");
+  EXPECT_EQ(layerError(R"("drivers": [{"morph": "m", "curve": [[0, 0, 1]]}])"),
+            "layers[0].drivers[0].curve[0]: is a list of 3: give a list of 2 values, each a number from -100 "
+            "to 100");
 }
 
 TEST_F(RecipeTest, AFitStandsAlone) {
@@ -351,6 +378,16 @@ TEST_F(RecipeTest, WrongRangesAreNamed) {
 }
 
 TEST_F(RecipeTest, TheZeroAxisIsRefused) {
+  EXPECT_THAT(layerError(R"("direction": {"guides": [[[0, 1, 2]]]})"),
+              testing::StartsWith(
+                  "layers[0].direction.guides[0]: is a list of 1: give a list of 2 or more values, "));
+  EXPECT_THAT(
+      layerError(R"("direction": {"guides": [[[0, 1, 2], [0, 1]]]})"),
+      testing::StartsWith("layers[0].direction.guides[0][1]: is a list of 2: give a list of 3 values"));
+  EXPECT_THAT(layerError(R"("direction": {"guides": [[[0, 1, 2], [0, 1, 1e300]]]})"),
+              testing::StartsWith("layers[0].direction.guides[0][1][2]: "));
+  EXPECT_THAT(layerError(R"("direction": {"guides": {}})"), testing::HasSubstr("guides.lines: is missing"));
+  EXPECT_THAT(layerError(R"("direction": {"texture": "gone.png"})"), testing::HasSubstr("gone.png"));
   EXPECT_EQ(layerError(R"("direction": {"axis": [0, 0, -0.0]})"),
             "layers[0].direction.axis: is the zero vector, which points nowhere: give the direction across "
             "the creases");
@@ -366,18 +403,6 @@ TEST_F(RecipeTest, FormsDoNotMix) {
             "layers[0].compress.depth: does not go with \"normal\": it goes with \"height\"");
   EXPECT_EQ(errorOf(R"({"rest": {"morphs": {}, "time": 1}, "layers": [{"name": "a"}]})"),
             "rest.time: does not go with \"morphs\": it goes with \"clip\"");
-}
-
-TEST_F(RecipeTest, FormsOfLaterVersionsAreNamed) {
-  for (const char* form : {"texture", "guides", "map"}) {
-    EXPECT_EQ(layerError(R"("direction": {")" + std::string(form) + R"(": "flow.png"})"),
-              "layers[0].direction." + std::string(form) +
-                  ": not supported yet in this version: use \"axis\", \"attribute\" or \"animation\"");
-    EXPECT_EQ(layerError(R"("direction": ")" + std::string(form) + '"'),
-              "layers[0].direction: \"" + std::string(form) +
-                  "\" is not supported yet in this version: give \"animation\", or an object with \"axis\", "
-                  "\"attribute\" or \"animation\"");
-  }
 }
 
 TEST_F(RecipeTest, LayerNamesAreUniqueAndFitACsvHeader) {

@@ -87,10 +87,12 @@ struct Layer {
   uint32_t driver_begin, driver_end;   // in drivers()
 };
 
-// region weight of the layer += gain * morph weight
+// region weight of the layer += gain * curve(morph weight); see drivers.h
 struct Driver {
   uint32_t morph;
   float gain;
+  std::span<const Float2>
+      curve;  // (in, out) by ascending in, straight between them, level outside; empty: out = in
 };
 
 enum class TextureFormat : uint8_t {

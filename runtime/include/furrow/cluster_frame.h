@@ -19,63 +19,52 @@ namespace furrow {
 // Points a cluster owns at most, so that positions and q of a cluster stay in 32 KiB.
 inline constexpr uint32_t kClusterPoints = 640;
 
+// Triangles are measured this many at a time: their coefficients lie side by side, first the first of each.
+inline constexpr uint32_t kTriangleLanes = 16;
+// Rings of this many points lie side by side, padded to the longest of them.
+inline constexpr uint32_t kRingLanes = 8;
+
+// One cluster: where its data begin in Clusters::words. 16-bit data lie two to a word, the lower first.
 struct Cluster {
   uint32_t points;  // owned; the first slots
   uint32_t
       vertices;    // owned: a slot for each point's first vertex, then for the other vertices of those points
   uint32_t slots;  // vertices and halo
-  uint32_t triangles;   // a multiple of kTriangleLanes: the last ones may be empty
-  uint32_t slot_begin;  // in slot_vertex
-  uint32_t triangle_begin;
-  uint32_t chunk_begin, chunk_end;  // kRingLanes points each
-  uint32_t extra_begin;             // in extra_point
-  uint32_t total_begin;             // in Clusters::Layer::totals
-  uint32_t covered;                 // bit l: layer l measures a triangle here
-};
-
-// Triangles are measured this many at a time: their coefficients lie side by side, first the first of each.
-inline constexpr uint32_t kTriangleLanes = 16;
-
-// Rings of this many points lie side by side, padded to the longest of them.
-inline constexpr uint32_t kRingLanes = 8;
-
-struct RingChunk {
-  uint32_t entry_begin;  // in ring_entries
-  uint32_t length;       // steps of 2 * kRingLanes entries: the points' triangles, then their weights
+  uint32_t triangles;    // a multiple of kTriangleLanes: the last ones may be empty
+  uint32_t slot_vertex;  // a word a slot: the asset's vertex
+  uint32_t extra_point;  // 16 bits a vertex beyond the points: its point
+  uint32_t corners;      // 16 bits, 3 a triangle: 4 * slot
+  uint32_t
+      chunks;  // a word for every kRingLanes points, and one more: where their ring begins in words. A step
+               // of a ring has 16 bits a point, its triangle, then 16 bits a point, that triangle's weight
+  uint32_t covered;  // bit l: layer l measures a triangle here
 };
 
 // How an asset's surface is cut. Immutable after build(); any number of threads and instances may read it.
 class Clusters {
  public:
-  // Takes O(n log n) time and about 40 bytes a triangle and layer, and allocates; `asset` must outlive it.
-  // Fails with kOutOfMemory, or kUnavailable where a single point is in more triangles than a cluster can
-  // number (about 16,000): such an asset has the staged jobs alone. The same asset gives the same clusters
-  // everywhere.
+  // Takes O(n log n) time and about 30 bytes a triangle and 10 more a layer, and allocates; `asset` must
+  // outlive it. Fails with kOutOfMemory, or kUnavailable where a single point is in more triangles than a
+  // cluster can number (about 16,000): such an asset has the staged jobs alone. The same asset gives the same
+  // clusters everywhere.
   Status build(const AssetView& asset);
 
   uint32_t count() const { return static_cast<uint32_t>(clusters.size()); }
   // Bytes of scratch memory that every thread needs, aligned to 64.
   size_t scratchBytes() const { return scratch_bytes_; }
 
-  struct Layer {
-    std::vector<float>
-        coefficients;  // coefficientCount(measure) x kTriangleLanes for every kTriangleLanes triangles
-    std::vector<uint16_t>
-        totals;  // a point, from Cluster::total_begin: the ring's weights that are in the layer; 0: none
-  };
   struct MorphRun {
     uint32_t morph;
-    uint32_t begin, end;  // in morph_slots and morph_deltas
+    uint32_t begin, end;  // in morph_slots and morph_index
   };
 
   const AssetView* asset = nullptr;
   std::vector<Cluster> clusters;
-  std::vector<uint32_t> slot_vertex;
-  std::vector<uint16_t> corners;  // 3 a triangle, 4 * slot
-  std::vector<RingChunk> chunks;
-  std::vector<uint16_t> ring_entries;
-  std::vector<uint16_t> extra_point;  // a vertex beyond a point's first: its point
-  std::vector<Layer> layers;
+  std::vector<uint32_t> words;
+  // layerCount() a cluster, for the layers it covers: first the coefficients, coefficientCount(measure) x
+  // kTriangleLanes floats for every kTriangleLanes triangles, then 16 bits a point: the ring's weights that
+  // are in the layer; 0: none.
+  std::vector<uint32_t> layer_words;
   std::vector<uint32_t> morph_run_begin;  // clusters + 1, in morph_runs
   std::vector<MorphRun> morph_runs;       // a cluster: its morph targets, ascending
   std::vector<uint16_t> morph_slots;

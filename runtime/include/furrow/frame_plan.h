@@ -91,7 +91,7 @@ const char* shaderSource(Shader shader);
 struct FrameInput {
   std::span<const Affine> palette;       // AssetView::palette, translations relative to the instance's origin
   std::span<const float> morph_weights;  // AssetView::morphs
-  std::span<const float> region_weights;  // a layer, drivers already added; or empty: 0
+  std::span<const float> region_weights;  // a layer, from driveRegions(); or empty: 0
   std::span<const Response> responses;    // a layer; or empty: those of the asset
   float scale = 1.0f;                     // uniform scale of the instance that the palette contains, > 0
 };

@@ -1,0 +1,143 @@
+#include "pipeline/bake/multigrid.h"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCholesky>
+#include <cmath>
+#include <vector>
+
+namespace furrow::pipeline {
+namespace {
+
+using Complex = std::complex<double>;
+using Vector = Eigen::VectorXcd;
+using Index = Eigen::Index;
+
+constexpr Index kDirect = 500;  // unknowns that are solved at once
+constexpr double kTolerance = 1e-5;
+constexpr double kOver = 1.6;  // what a constant correction of an aggregate leaves undone
+constexpr int kMostIterations = 300;
+
+// The operator of std::complex looks out for infinities.
+Complex times(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+// A matrix and, unless it is small, its aggregates: every unknown follows one of the next level, turned.
+struct Level {
+  HermitianMatrix matrix;
+  std::vector<int> aggregate;  // an unknown
+  Vector turn;                 // an unknown, length 1
+
+  // Each unknown with its free neighbours is an aggregate; what is left over joins its strongest neighbour's.
+  HermitianMatrix coarsen() {
+    const Index count = matrix.rows();
+    aggregate.assign(static_cast<size_t>(count), -1);
+    turn.setOnes(count);
+    const auto join = [&](Index i, Index j, Complex a_ij) {
+      aggregate[i] = aggregate[j];
+      const double length = std::abs(a_ij);
+      turn[i] = length > 0.0 ? -a_ij / length * turn[j] : turn[j];
+    };
+    int next = 0;
+    for (Index i = 0; i < count; ++i) {
+      bool open = aggregate[i] < 0;
+      for (HermitianMatrix::InnerIterator e(matrix, i); e && open; ++e) open = aggregate[e.col()] < 0;
+      if (!open) continue;
+      aggregate[i] = next++;
+      for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
+        if (e.col() != i) join(e.col(), i, std::conj(e.value()));
+    }
+    const std::vector<int> first = aggregate;
+    for (Index i = 0; i < count; ++i) {
+      if (aggregate[i] >= 0) continue;
+      Index best = -1;
+      Complex strongest = 0.0;
+      for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
+        if (e.col() != i && first[e.col()] >= 0 && std::norm(e.value()) >= std::norm(strongest)) {
+          best = e.col();
+          strongest = e.value();
+        }
+      if (best >= 0)
+        join(i, best, strongest);
+      else
+        aggregate[i] = next++;
+    }
+    std::vector<Eigen::Triplet<Complex>> entries;
+    entries.reserve(static_cast<size_t>(matrix.nonZeros()));
+    for (Index i = 0; i < count; ++i)
+      for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
+        entries.push_back(
+            {aggregate[i], aggregate[e.col()], times(times(std::conj(turn[i]), e.value()), turn[e.col()])});
+    HermitianMatrix coarse(next, next);
+    coarse.setFromTriplets(entries.begin(), entries.end());
+    return coarse;
+  }
+
+  // One sweep of Gauss-Seidel.
+  void relax(const Vector& b, Vector& x, bool forward) const {
+    const Index count = matrix.rows();
+    for (Index k = 0; k < count; ++k) {
+      const Index i = forward ? k : count - 1 - k;
+      Complex rest = b[i];
+      double diagonal = 1.0;
+      for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e) {
+        if (e.col() == i)
+          diagonal = e.value().real();
+        else
+          rest -= times(e.value(), x[e.col()]);
+      }
+      x[i] = rest / diagonal;
+    }
+  }
+};
+
+// The preconditioner, as Eigen's conjugate gradients want it.
+class Cycle {
+ public:
+  Cycle& compute(const HermitianMatrix& matrix) {
+    levels_.assign(1, {matrix, {}, {}});
+    while (levels_.back().matrix.rows() > kDirect) {
+      HermitianMatrix coarse = levels_.back().coarsen();
+      if (coarse.rows() > levels_.back().matrix.rows() * 9 / 10) break;
+      levels_.push_back({std::move(coarse), {}, {}});
+    }
+    direct_.compute(levels_.back().matrix);
+    return *this;
+  }
+  Cycle& analyzePattern(const HermitianMatrix&) { return *this; }
+  Cycle& factorize(const HermitianMatrix& matrix) { return compute(matrix); }
+  Eigen::ComputationInfo info() const { return Eigen::Success; }
+
+  Vector solve(const Vector& b) const { return cycle(0, b); }
+
+ private:
+  Vector cycle(size_t l, const Vector& b) const {
+    const Level& level = levels_[l];
+    if (l + 1 == levels_.size()) return direct_.solve(b);
+    Vector x = Vector::Zero(b.size());
+    level.relax(b, x, true);
+    const Vector left = b - level.matrix * x;
+    Vector coarse = Vector::Zero(levels_[l + 1].matrix.rows());
+    for (Index i = 0; i < b.size(); ++i)
+      coarse[level.aggregate[i]] += times(std::conj(level.turn[i]), left[i]);
+    const Vector correction = kOver * cycle(l + 1, coarse);
+    for (Index i = 0; i < b.size(); ++i) x[i] += times(level.turn[i], correction[level.aggregate[i]]);
+    level.relax(b, x, false);
+    return x;
+  }
+
+  std::vector<Level> levels_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> direct_;
+};
+
+}  // namespace
+
+Eigen::VectorXcd solveMultigrid(const HermitianMatrix& a, const Eigen::VectorXcd& b) {
+  Eigen::ConjugateGradient<HermitianMatrix, Eigen::Lower | Eigen::Upper, Cycle> solver;
+  solver.setTolerance(kTolerance);
+  solver.setMaxIterations(kMostIterations);
+  solver.compute(a);
+  return solver.solve(b);
+}
+
+}  // namespace furrow::pipeline

@@ -1,0 +1,33 @@
+#pragma once
+
+// Nearest places of a surface.
+
+#include <memory>
+#include <vector>
+
+#include "pipeline/bake/surface.h"
+
+namespace furrow::pipeline {
+
+// Over the covered triangles that are not degenerate, of which there must be one.
+class NearestTriangle {
+ public:
+  struct Found {
+    size_t triangle = 0;
+    glm::dvec3 barycentric{1.0, 0.0, 0.0};
+    double distance = 0.0;
+  };
+
+  NearestTriangle(const Surface& surface, const std::vector<bool>& covered);
+  ~NearestTriangle();
+
+  Found find(glm::dvec3 p) const;  // of several that are equally near, any, but always the same
+  double meanEdge() const { return mean_edge_; }
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+  double mean_edge_ = 0.0;
+};
+
+}  // namespace furrow::pipeline
