@@ -78,6 +78,7 @@ class MapBake {
       set.parts.push_back(p);
       if (material < in_.scene.materials.size()) set.name = in_.scene.materials[material].name;
     }
+    if (by_material.empty()) return {};
     peaks_ = pointPeaks(in_.surface, in_.squeeze);
     for (size_t l = 0; l < layers_.size(); ++l) {
       compress_.push_back(prepare(recipe_.layers[l].compress, layers_[l]));

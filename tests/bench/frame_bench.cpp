@@ -62,14 +62,13 @@ void countTriangles(benchmark::State& state, const AssetView& asset) {
 // How the cpu tier's frame is computed.
 enum Form : int64_t { kStaged, kPortableClusters, kSse4Clusters, kAvx2Clusters, kAvx512Clusters };
 
-// The whole frame of the cpu tier on one thread: four joints a vertex, positions only, one layer.
-void wholeFrame(benchmark::State& state) {
-  const Asset& loaded = skinnedAsset(state.range(0));
-  const AssetView& asset = loaded.view();
+// A frame's input and memory, the same for every form. With `posed`, the host has posed it; else a palette
+// does, positions only.
+void runFrames(benchmark::State& state, const AssetView& asset, std::span<const Float3> posed) {
   std::vector<Affine> palette(asset.palette.size());
   for (size_t i = 0; i < palette.size(); ++i) palette[i].m[3] = 0.01f * static_cast<float>(i);
   const std::vector<float> morph_weights(asset.morphs.size(), 0.0f);
-  std::vector<Float3> positions(asset.vertexCount());
+  std::vector<Float3> positions(posed.empty() ? asset.vertexCount() : 0);
   std::vector<float> triangle_q(asset.triangleCount()), q(asset.pointCount());
   std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
   Clusters clusters;
@@ -77,6 +76,7 @@ void wholeFrame(benchmark::State& state) {
   std::vector<std::byte> scratch(clusters.scratchBytes());
   ClusterFrameJob job;
   job.clusters = &clusters;
+  job.posed = posed.empty() ? nullptr : reinterpret_cast<const std::byte*>(posed.data());
   job.palette = palette;
   job.morph_weights = morph_weights;
   job.positions = positions;
@@ -85,10 +85,12 @@ void wholeFrame(benchmark::State& state) {
     job.simd = static_cast<Simd>(state.range(1) - 1);
     if (!job.validate().ok()) return state.SkipWithError("not available");
   }
+  const std::span<const Float3> measured = posed.empty() ? positions : posed;
   for (auto _ : state) {
     if (state.range(1) == kStaged) {
-      DeformJob{&asset, palette, morph_weights, positions, {}, {}}.run(0, asset.vertexCount());
-      CompressJob{&asset, 0, positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
+      if (posed.empty())
+        DeformJob{&asset, palette, morph_weights, positions, {}, {}}.run(0, asset.vertexCount());
+      CompressJob{&asset, 0, measured, 1.0f, triangle_q}.run(0, asset.triangleCount());
       SmoothJob{&asset, triangle_q, q}.run(0, asset.pointCount());
       RespondJob{&asset, 0, asset.layers[0].response, 0.0f, q, weights}.run(0, asset.vertexCount());
     } else {
@@ -99,34 +101,16 @@ void wholeFrame(benchmark::State& state) {
   countTriangles(state, asset);
 }
 
-// Compress, smooth and respond from positions that the host has posed.
+// Four joints a vertex, one layer.
+void wholeFrame(benchmark::State& state) {
+  runFrames(state, skinnedAsset(state.range(0)).view(), {});
+}
+
+// Compress, smooth and respond, one layer.
 void fromPosed(benchmark::State& state) {
   const AssetView& asset = gridAsset(state.range(0)).view();
   const tests::Frame posed = tests::evaluate(asset, {1.0f});
-  std::vector<float> triangle_q(asset.triangleCount()), q(asset.pointCount());
-  std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
-  Clusters clusters;
-  if (!clusters.build(asset).ok()) return state.SkipWithError("no clusters");
-  std::vector<std::byte> scratch(clusters.scratchBytes());
-  ClusterFrameJob job;
-  job.clusters = &clusters;
-  job.posed = reinterpret_cast<const std::byte*>(posed.positions.data());
-  job.weights = weights;
-  if (state.range(1) != kStaged) {
-    job.simd = static_cast<Simd>(state.range(1) - 1);
-    if (!job.validate().ok()) return state.SkipWithError("not available");
-  }
-  for (auto _ : state) {
-    if (state.range(1) == kStaged) {
-      CompressJob{&asset, 0, posed.positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
-      SmoothJob{&asset, triangle_q, q}.run(0, asset.pointCount());
-      RespondJob{&asset, 0, asset.layers[0].response, 0.0f, q, weights}.run(0, asset.vertexCount());
-    } else {
-      job.run(0, clusters.count(), scratch);
-    }
-    benchmark::DoNotOptimize(weights.data());
-  }
-  countTriangles(state, asset);
+  runFrames(state, asset, posed.positions);
 }
 
 // What no frame can do without: the ring gather alone, as Eigen's product of a sparse matrix and a vector.
