@@ -1,19 +1,8 @@
 # cmake -DTOOL= -DSOURCE= -DSCRATCH= -DDRACO=ON|OFF -DGENERATOR= -DCOMPILER= -DLAUNCHER= -P runtime_alone.cmake: builds a game with the
 # runtime alone, where no other package can be found, and loads assets in it.
 
-# Runs a command; its exit status and output are left in `status` and `said`.
-function(run)
-  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE result)
-  set(status ${result} PARENT_SCOPE)
-  set(said ${out} PARENT_SCOPE)
-endfunction()
-
-function(run_well)
-  run(${ARGN})
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "status ${status}: ${ARGN}\n${said}")
-  endif()
-endfunction()
+cmake_minimum_required(VERSION 3.24)
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${SCRATCH})
 set(here ${CMAKE_CURRENT_LIST_DIR}/runtime_alone)
