@@ -109,7 +109,7 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
 void run(const Options& options) {
   options.pose.validate();
   const OpenedAsset opened = openAsset(options.asset);
-  const PosedFrame frame = poseFrame(opened, options.pose);
+  const preview::PosedFrame frame = poseFrame(opened, options.pose);
   std::unique_ptr<preview::HeadlessContext> context;
   std::string context_error;
   if (options.pose.backend != "cpu") {

@@ -5,19 +5,14 @@
 #include <filesystem>
 #include <vector>
 
-#include "furrow/asset.h"
+#include "editor/preview/loaded_asset.h"
 #include "pipeline/cook.h"
 #include "pipeline/import/sequence.h"
-#include "pipeline/scene/rig.h"
 
 namespace furrow::cli {
 
-struct OpenedAsset {
-  std::filesystem::path file;
-  size_t bytes = 0;
+struct OpenedAsset : preview::LoadedAsset {
   bool cooked_here = false;
-  Asset asset;
-  pipeline::Rig rig;
   std::vector<std::string> warnings;  // of the cook, if there was one
 };
 

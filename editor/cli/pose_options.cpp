@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "furrow/drivers.h"
 #include "furrow/gl/executor.h"
 #include "pipeline/arkit.h"
 #include "pipeline/error.h"
@@ -93,7 +92,7 @@ void PoseOptions::validate() const {
                 "use --backend gpu or cpu");
 }
 
-PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
+preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
   const AssetView& asset = opened.asset.view();
   const std::string file = opened.file.string();
   if (options.time && options.clip.empty() && options.take.empty())
@@ -112,38 +111,16 @@ PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
     const auto [name, weight] = assignment(text, "--morph");
     for (size_t m : select(names, name, "morph target", file)) pose.morph_weights[m] = weight;
   }
-  const pipeline::PosedRig posed = pipeline::evaluate(opened.rig, pose);
 
-  PosedFrame frame;
-  for (double weight : posed.morph_weights) frame.morph_weights.push_back(static_cast<float>(weight));
-  frame.region_weights.assign(asset.layerCount(), 0.0f);
+  std::vector<float> regions(asset.layerCount(), 0.0f);
   names.clear();
   for (const Layer& layer : asset.layers) names.emplace_back(layer.name);
   for (const std::string& text : options.regions) {
     const auto [name, weight] = assignment(text, "--region");
-    for (size_t l : select(names, name, "layer", file)) frame.region_weights[l] += static_cast<float>(weight);
+    for (size_t l : select(names, name, "layer", file)) regions[l] += static_cast<float>(weight);
   }
-  driveRegions(asset, frame.morph_weights, frame.region_weights, frame.region_weights);
-
-  // Poses are computed about where the first vertex stands, so that a character far from the root keeps its
-  // precision.
-  const Float3 p = asset.positions.front();
-  const uint32_t entry = asset.joints.front();
-  const glm::dvec4 origin = posed.palette[entry] * glm::dvec4(p.x, p.y, p.z, 1.0);
-  for (int i = 0; i < 3; ++i) frame.origin[i] = std::isfinite(origin[i]) ? origin[i] : 0.0;
-  for (const glm::dmat4& m : posed.palette) {
-    Affine affine;
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 4; ++column)
-        affine.m[4 * row + column] =
-            static_cast<float>(m[column][row] - (column == 3 ? frame.origin[row] : 0.0));
-    frame.palette.push_back(affine);
-  }
-  frame.input.palette = frame.palette;
-  frame.input.morph_weights = frame.morph_weights;
-  frame.input.region_weights = frame.region_weights;
-  frame.input.scale = static_cast<float>(options.scale);
-  return frame;
+  return preview::poseFrame(asset, pipeline::evaluate(opened.rig, pose), regions,
+                            static_cast<float>(options.scale));
 }
 
 bool chooseGpu(const std::string& backend, const std::string& context_error) {

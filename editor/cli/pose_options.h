@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "editor/cli/open_asset.h"
-#include "furrow/frame_plan.h"
+#include "editor/preview/posed_frame.h"
 
 namespace furrow::cli {
 
@@ -26,16 +26,8 @@ struct PoseOptions {
   void validate() const;
 };
 
-// The arrays behind a FrameInput. Palette translations are relative to `origin`.
-struct PosedFrame {
-  std::vector<Affine> palette;
-  std::vector<float> morph_weights, region_weights;
-  double origin[3] = {};
-  FrameInput input;
-};
-
 // Throws Error (kBadUsage) for a clip, morph target or layer that the asset lacks, naming those it has.
-PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options);
+preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options);
 
 // The tier to run: "gpu" or "cpu". For auto, cpu where there is no OpenGL 4.3, and says so on stderr. A
 // forced tier that is missing throws Error (kEnvironment). Needs a current context for gpu: `context_error`

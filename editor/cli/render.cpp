@@ -23,7 +23,8 @@ const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::k
                                                      {"point", preview::View::kPoint},
                                                      {"mask", preview::View::kMask},
                                                      {"bias", preview::View::kBias},
-                                                     {"confidence", preview::View::kConfidence}};
+                                                     {"confidence", preview::View::kConfidence},
+                                                     {"morph", preview::View::kMorph}};
 
 struct Options {
   std::string asset, out, size = "1024x1024", layer;
@@ -51,7 +52,7 @@ void run(const Options& options) {
   options.pose.validate();
   const OpenedAsset opened = openAsset(options.asset);
   const AssetView& asset = opened.asset.view();
-  const PosedFrame frame = poseFrame(opened, options.pose);
+  const preview::PosedFrame frame = poseFrame(opened, options.pose);
   if (!options.layer.empty()) {
     while (render.layer < asset.layerCount() && asset.layers[render.layer].name != options.layer)
       ++render.layer;

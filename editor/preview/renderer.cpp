@@ -42,7 +42,7 @@ constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture
 
 static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
 static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
-              gpu::kViewConfidence == static_cast<uint32_t>(View::kConfidence));
+              gpu::kViewMorph == static_cast<uint32_t>(View::kMorph));
 
 template <typename T>
 GlObject makeBuffer(GLenum target, std::span<const T> values, GLenum usage) {
@@ -202,7 +202,7 @@ struct Renderer::State {
   void check(const FrameInput& input, const RenderOptions& options) const;
   PosedBuffers pose(const FrameInput& input, Tier tier);
   void bindSurface(const PosedBuffers& posed) const;
-  void bindValues(const RenderOptions& options);
+  void bindValues(const FrameInput& input, const RenderOptions& options);
   void fillScene(const RenderOptions& options);
   uint32_t surfaceProgram(const RenderOptions& options, bool maps);
   void drawShadow(const RenderOptions& options);
@@ -339,7 +339,10 @@ void Renderer::State::check(const FrameInput& input, const RenderOptions& option
   if (!input.responses.empty() && input.responses.size() != asset.layers.size())
     fail("the number of responses is not that of the layers");
   if (!(input.scale > 0.0f) || !std::isfinite(input.scale)) fail("the scale is not above 0");
-  const bool of_layer = options.view != View::kBeauty && options.view != View::kPoint;
+  if (!options.values.empty() && options.values.size() != asset.vertexCount())
+    fail("the number of values is not that of the vertices");
+  const bool of_layer =
+      options.view != View::kBeauty && options.view != View::kPoint && options.view != View::kMorph;
   if (of_layer && options.layer >= asset.layerCount()) fail("the view's layer does not exist");
   const Camera& camera = options.camera;
   if (!(camera.distance > 0.0f) || !(camera.field_of_view > 0.0f) || !(camera.field_of_view < 180.0f))
@@ -381,12 +384,18 @@ void Renderer::State::bindSurface(const PosedBuffers& posed) const {
   }
 }
 
-void Renderer::State::bindValues(const RenderOptions& options) {
+void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& options) {
   std::vector<glm::vec4> shown;
   if (options.view == View::kPoint) shown = pointColors(asset);
   if (options.view == View::kBias) shown = biasValues(asset, options.layer);
   if (options.view == View::kDirection || options.view == View::kConfidence)
     shown = directionValues(asset, options.layer);
+  if (options.view == View::kMorph) shown = morphValues(asset, input.morph_weights);
+  if (options.view == View::kMask || options.view == View::kBias)
+    for (size_t v = 0; v < options.values.size(); ++v) {
+      shown.resize(options.values.size());
+      shown[v].x = options.values[v];
+    }
   if (shown.empty()) {
     glDisableVertexAttribArray(kValue);
     glVertexAttrib4f(kValue, 0.0f, 0.0f, 0.0f, 0.0f);
@@ -403,8 +412,11 @@ void Renderer::State::fillScene(const RenderOptions& options) {
   const CameraFrame frame = cameraFrame(camera, aspect);
   const glm::vec3 target_point(camera.target.x, camera.target.y, camera.target.z);
   const float half_height = camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
+  const float turn = glm::radians(options.light_yaw);
+  const glm::vec3 side = std::cos(turn) * frame.right - std::sin(turn) * frame.back;
+  const glm::vec3 front = std::sin(turn) * frame.right + std::cos(turn) * frame.back;
   const auto light = [&](float right, float up, float back, float radiance) {
-    return glm::vec4(glm::normalize(right * frame.right + up * frame.up + back * frame.back), radiance);
+    return glm::vec4(glm::normalize(right * side + up * frame.up + back * front), radiance);
   };
 
   scene.view_projection = frame.view_projection;
@@ -419,7 +431,7 @@ void Renderer::State::fillScene(const RenderOptions& options) {
   // The shadow map spans what the picture shows at the target; casters before it are clamped onto it.
   const float reach = half_height * std::max(aspect, 1.0f) * 1.3f;
   const glm::vec3 key(scene.lights[0]);
-  const glm::mat4 light_view = glm::lookAt(target_point + key * reach, target_point, frame.right);
+  const glm::mat4 light_view = glm::lookAt(target_point + key * reach, target_point, side);
   const glm::mat4 light_projection = glm::ortho(-reach, reach, -reach, reach, 0.0f, reach * 2.0f);
   scene.shadow = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f)) *
                  glm::scale(glm::mat4(1.0f), glm::vec3(0.5f)) * light_projection * light_view;
@@ -430,6 +442,7 @@ void Renderer::State::fillScene(const RenderOptions& options) {
                 spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
   scene.layer = options.layer;
   scene.layers = asset.layerCount();
+  scene.given_values = !options.values.empty();
   refill(scene_buffer, GL_UNIFORM_BUFFER, std::span<const gpu::Scene>(&scene, 1));
   glBindBufferBase(GL_UNIFORM_BUFFER, kSceneSlot, scene_buffer);
 }
@@ -508,7 +521,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
   }
   const PosedBuffers posed = s.pose(input, options.tier);
   s.bindSurface(posed);
-  s.bindValues(options);
+  s.bindValues(input, options);
   s.fillScene(options);
 
   glDisable(GL_BLEND);

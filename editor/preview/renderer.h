@@ -4,6 +4,7 @@
 // (headless_context.h or a window), 4.3 for the gpu tier; the destructor needs it too.
 
 #include <memory>
+#include <span>
 
 #include "editor/preview/camera.h"
 #include "furrow/frame_plan.h"
@@ -18,7 +19,7 @@ enum class Shading : uint8_t {
   kAlpha,
   kNone
 };  // Larsson's three methods, and no wrinkles
-enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence };
+enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence, kMorph };
 
 struct RenderOptions {
   uint32_t width = 1024, height = 1024;  // 1 to 4096
@@ -27,6 +28,10 @@ struct RenderOptions {
   View view = View::kBeauty;
   uint32_t layer = 0;  // for the views of one layer: weight, direction, mask, bias, confidence
   Camera camera;
+  float light_yaw = 0.0f;  // degrees that the lights are turned by round the picture's upright, to its right
+  // A value a vertex that the views mask, in [0, 1], and bias, in [-1, 1], show in place of the asset's; or
+  // empty.
+  std::span<const float> values;
 };
 
 // Where the maps of a texture set cannot be had (a mesh without UVs), creases are drawn by alpha shading of

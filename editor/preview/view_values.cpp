@@ -1,5 +1,6 @@
 #include "editor/preview/view_values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -73,6 +74,24 @@ std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer) {
                    t.w * glm::dot(direction, glm::cross(normal, tangent)), 0.0f};
     }
   }
+  return values;
+}
+
+std::vector<glm::vec4> morphValues(const AssetView& asset, std::span<const float> morph_weights) {
+  std::vector<glm::vec3> moved(asset.vertexCount(), glm::vec3(0.0f));
+  float farthest = 0.0f;
+  for (size_t m = 0; m < asset.morphs.size(); ++m) {
+    const Morph& morph = asset.morphs[m];
+    for (size_t i = 0; i < morph.vertices.size(); ++i) {
+      const int32_t* d = &morph.position_deltas[3 * i];
+      const glm::vec3 delta = morph.position_step * glm::vec3(d[0], d[1], d[2]);
+      farthest = std::max(farthest, glm::length(delta));
+      moved[morph.vertices[i]] += morph_weights[m] * delta;
+    }
+  }
+  std::vector<glm::vec4> values(asset.vertexCount(), glm::vec4(0.0f));
+  for (size_t v = 0; v < values.size() && farthest > 0.0f; ++v)
+    values[v].x = glm::length(moved[v]) / farthest;
   return values;
 }
 

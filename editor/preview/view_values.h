@@ -3,6 +3,7 @@
 // What the views of the preview show, a value a vertex.
 
 #include <glm/vec4.hpp>
+#include <span>
 #include <vector>
 
 #include "furrow/asset.h"
@@ -19,6 +20,10 @@ std::vector<glm::vec4> biasValues(const AssetView& asset, uint32_t layer);
 // kDirection and kConfidence: x confidence in [0, 1]; y, z the wrinkle direction along the vertex's tangent
 // and bitangent.
 std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer);
+
+// kMorph: x how far the morph targets move the vertex, in [0, 1] of the farthest that one of them moves any
+// vertex at weight 1.
+std::vector<glm::vec4> morphValues(const AssetView& asset, std::span<const float> morph_weights);
 
 // Vertices at least `spacing` apart at rest (root space) among those whose point has a direction, chosen
 // evenly.

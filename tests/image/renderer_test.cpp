@@ -177,6 +177,55 @@ TEST_F(RendererTest, ViewsShowMaskBiasAndConfidence) {
   EXPECT_GT(pixel(confidence, 0.5f, 0.5f).g, pixel(confidence, 0.5f, 0.12f).g + 0.3f);
 }
 
+TEST_F(RendererTest, ValuesThatArePaintedShowInPlaceOfTheAssets) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  for (const View view : {View::kMask, View::kBias}) {
+    RenderOptions options = optionsFor(view);
+    options.layer = 1;
+    std::vector<float> values(ball.view().vertexCount());
+    for (size_t v = 0; v < values.size(); ++v) values[v] = ball.view().positions[v].y > 0.0f ? 1.0f : 0.0f;
+    const Image stored = render(renderer, options);
+    options.values = values;
+    const Image painted = render(renderer, options);
+    EXPECT_GT(largestDifference(stored, painted), 0.2f);
+    const auto red = [&](const Image& image, float y) {
+      return image.at(kSize / 2, static_cast<uint32_t>(y * kSize))[0];
+    };
+    EXPECT_GT(red(painted, 0.3f), red(painted, 0.7f) + 0.1f);
+  }
+}
+
+TEST_F(RendererTest, MorphViewLightsUpWhatTheMorphMoves) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const Image still = render(renderer, optionsFor(View::kMorph));
+  const Image pinched = render(renderer, optionsFor(View::kMorph), {.pinch = 1.0f});
+  const Image from_behind =
+      render(renderer, optionsFor(View::kMorph, Shading::kNone, 180.0f), {.pinch = 1.0f});
+  const auto brightest = [](const Image& image) {
+    float most = 0.0f;
+    for (uint32_t x = kSize / 4; x < kSize * 3 / 4; ++x) most = std::max(most, image.at(x, kSize / 2)[0]);
+    return most;
+  };
+  EXPECT_GT(brightest(pinched), 0.7f);
+  EXPECT_LT(brightest(still), 0.3f);
+  EXPECT_LT(brightest(from_behind), 0.3f);
+}
+
+TEST_F(RendererTest, LightsTurn) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  RenderOptions options = optionsFor(View::kBeauty, Shading::kNone);
+  const auto leans = [&](float yaw) {  // to the right, if positive
+    options.light_yaw = yaw;
+    const Image image = render(renderer, options);
+    return image.at(kSize * 7 / 10, kSize / 2)[1] - image.at(kSize * 3 / 10, kSize / 2)[1];
+  };
+  EXPECT_LT(leans(0.0f), -0.1f);  // the key stands on the left
+  EXPECT_GT(leans(110.0f), 0.1f);
+}
+
 TEST_F(RendererTest, StrokesRunAlongTheDirection) {
   const BallAsset ball;
   preview::Renderer renderer(ball.view());

@@ -32,6 +32,7 @@ FURROW_CONSTANT kViewPoint = 3u;
 FURROW_CONSTANT kViewMask = 4u;
 FURROW_CONSTANT kViewBias = 5u;
 FURROW_CONSTANT kViewConfidence = 6u;
+FURROW_CONSTANT kViewMorph = 7u;
 
 // A picture.
 FURROW_BLOCK(Scene) {
@@ -43,8 +44,8 @@ FURROW_BLOCK(Scene) {
   vec4 size;       // picture in pixels; z: stroke length in world units, w: stroke width in pixels
   uint layer;
   uint layers;
+  uint given_values;  // the views mask and bias show the vertices' values
   uint pad0;
-  uint pad1;
 }
 FURROW_INSTANCE(scene);
 

@@ -100,6 +100,7 @@ vec3 heat(float x) {
 }
 
 float maskAt(uint layer) {
+  if (scene.given_values != 0u) return vertex.value.x;
   if (material.with_masks == 0u) return component(vertex.masks, layer);
   return furrowMaskedWeight(1.0, material.slices[layer], vertex.uv);
 }
@@ -113,6 +114,7 @@ vec3 viewColor() {
     case kViewBias:
       return diverging(vertex.value.x);
     case kViewConfidence:
+    case kViewMorph:
       return heat(vertex.value.x);
     case kViewPoint:
       return vertex.value.rgb;
