@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dual_quaternion.h"
 #include "furrow/jobs.h"
 
 namespace furrow {
@@ -80,6 +81,9 @@ Status DeformJob::validate() const {
       (!tangents.empty() && (tangents.size() < vertices || normals.empty())))
     return Status::error(StatusCode::kInvalidArgument, "deform: an output holds fewer than %zu vertices",
                          vertices);
+  if (skinning == Skinning::kDualQuaternion && motions.size() != palette.size())
+    return Status::error(StatusCode::kInvalidArgument, "deform: %zu joint motions, the palette has %zu",
+                         motions.size(), palette.size());
   return {};
 }
 
@@ -110,7 +114,8 @@ void DeformJob::run(uint32_t begin, uint32_t end) const {
   }
 
   for (uint32_t v = begin; v < end; ++v) {
-    const Affine matrix = blend(*asset, palette, v);
+    const Affine matrix =
+        skinning == Skinning::kLinear ? blend(*asset, palette, v) : blendMotions(*asset, motions, v);
     positions[v] = transformPoint(matrix, positions[v]);
     if (normals.empty()) continue;
     const float hand = handedness(matrix);
