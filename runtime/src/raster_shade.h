@@ -1,0 +1,71 @@
+#pragma once
+
+// The colour of a triangle at a place of the screen.
+
+#include "furrow/raster.h"
+
+namespace furrow {
+
+inline constexpr uint32_t kMaxRasterLevels = 16;  // of a texture
+
+// The slices of a texture, ready for fetches.
+class SliceSampler {
+ public:
+  void select(const Texture& texture);
+
+  // One channel at uv, with `right` and `down` the change of uv over a pixel: trilinear, repeating, in [0,
+  // 1].
+  float at(uint32_t slice, uint32_t channel, const float uv[2], const float right[2],
+           const float down[2]) const;
+
+ private:
+  struct Level {
+    const std::byte* data;
+    size_t slice_bytes;
+    uint32_t width, height;
+  };
+
+  float bilinear(const Level& level, uint32_t slice, uint32_t channel, const float uv[2]) const;
+  float texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y, uint32_t channel) const;
+
+  const Texture* texture_ = nullptr;
+  Level levels_[kMaxRasterLevels] = {};
+};
+
+// What is worked out once for a triangle.
+struct ShadedTriangle {
+  struct ActiveLayer {
+    uint32_t layer;
+    float weights[3];  // of the corners
+  };
+
+  uint32_t id;
+  uint32_t active_count;
+  const uint32_t* corners;
+  const Float3* colors;
+  const TextureSet* set;  // with maps, or null
+  double planes[3][3];    // x a[0] + y a[1] + a[2] is proportional to a corner's share
+  ActiveLayer active[kMaxLayers];
+};
+
+class TriangleShader {
+ public:
+  static constexpr uint32_t kKept = 64;  // a power of two
+
+  // `kept`: kKept triangles for the shader's use; rows of pixels come back to them.
+  TriangleShader(const RasterJob& job, ShadedTriangle* kept);
+
+  // In pixels from the top left corner. Outside the triangle: the colour of its nearest edge or corner, as
+  // far as perspective allows.
+  Float3 color(uint32_t triangle, double x, double y);
+
+ private:
+  float crease(const ShadedTriangle& triangle, const double* share, const double* edge);
+
+  const RasterJob& job_;
+  ShadedTriangle* kept_;
+  const TextureSet* sampled_ = nullptr;
+  SliceSampler shading_, masks_;
+};
+
+}  // namespace furrow
