@@ -1,13 +1,12 @@
 #include "part_geometry.h"
 
-#include <meshoptimizer.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 
 #include "furrow_generated.h"
+#include "stream_codec.h"
 
 #ifdef FURROW_WITH_DRACO
 #include <draco/compression/decode.h>
@@ -144,19 +143,18 @@ Status decodeStream(const format::Stream* stream, uint32_t stride, size_t count,
   if (count == 0) return {};
   if (!stream || !stream->data() || stream->stride() != stride || stream->count() != count)
     return bad("a stream has the wrong shape");
-  const unsigned char* data = stream->data()->data();
-  const size_t bytes = stream->data()->size();
+  const std::span<const uint8_t> bytes(stream->data()->data(), stream->data()->size());
   switch (stream->codec()) {
     case format::Codec::Raw:
-      if (bytes != count * stride) return bad("a stream is cut short");
-      std::memcpy(out, data, bytes);
+      if (bytes.size() != count * stride) return bad("a stream is cut short");
+      std::memcpy(out, bytes.data(), bytes.size());
       return {};
     case format::Codec::MeshoptVertex:
-      if (meshopt_decodeVertexBuffer(out, count, stride, data, bytes) != 0)
+      if (!decodeVertexStream(bytes, count, stride, static_cast<uint8_t*>(out)))
         return bad("a vertex stream does not decode");
       return {};
     case format::Codec::MeshoptSequence:
-      if (stride != 4 || meshopt_decodeIndexSequence(out, count, 4, data, bytes) != 0)
+      if (stride != 4 || !decodeIndexStream(bytes, count, static_cast<uint32_t*>(out)))
         return bad("an index stream does not decode");
       return {};
   }
