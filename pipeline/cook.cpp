@@ -27,6 +27,8 @@
 namespace furrow::pipeline {
 namespace {
 
+constexpr std::string_view kColorAttribute = "COLOR_0";
+
 // Gives their memory back; a vector keeps it when it is merely cleared.
 template <typename... T>
 void release(T&... values) {
@@ -83,7 +85,7 @@ class Cook {
     stage("packing");
     Cooked cooked;
     cooked.bytes = writeAsset({scene_, surface_, weld_, recipe_, layers, sets, parts_, source_vertex_,
-                               place_points_, influences_, position_error_});
+                               colors_, place_points_, influences_, position_error_});
     report();
     release(rings, squeeze, layers, sets, surface_, parts_, weld_, source_vertex_, scene_.primitives);
     stage("loading it again");
@@ -259,7 +261,9 @@ class Cook {
       if (part.material < scene_.materials.size()) {
         packed.material = scene_.materials[part.material].name;
         packed.base_color = scene_.materials[part.material].base_color;
+        packed.roughness = scene_.materials[part.material].roughness;
       }
+      packColors(primitive, geometry_.back().source);
       packed.palette_begin = part.palette_begin;
       packed.rest = bind[parts_.size()];
       packed.has_normals = !primitive.normals.empty();
@@ -281,6 +285,33 @@ class Cook {
       if (!decoded[i].empty()) primitive.positions = std::move(decoded[i]);
       release(primitive.normals, primitive.tangents, primitive.uvs);  // the surface has them from here on
     }
+  }
+
+  // COLOR_0 is a colour unless a layer reads its bias or mask from it. Colours follow the vertices in
+  // `source`.
+  void packColors(const Primitive& primitive, std::span<const uint32_t> source) {
+    const auto found = std::ranges::find(primitive.attributes, kColorAttribute, &Attribute::name);
+    if (found != primitive.attributes.end() && colorsAreColors()) {
+      colors_.resize(packed_vertices_, glm::u8vec4(255));
+      for (uint32_t v : source) {
+        const float* c = &found->values[size_t{v} * found->components];
+        glm::u8vec4& packed = colors_.emplace_back(255);
+        for (int k = 0; k < 3; ++k)
+          packed[k] = static_cast<uint8_t>(std::lround(255.0f * std::sqrt(std::clamp(c[k], 0.0f, 1.0f))));
+      }
+    } else if (!colors_.empty()) {
+      colors_.resize(colors_.size() + source.size(), glm::u8vec4(255));
+    }
+    packed_vertices_ += source.size();
+  }
+
+  bool colorsAreColors() const {
+    return std::ranges::none_of(recipe_.layers, [](const LayerRecipe& layer) {
+      const auto* mask = std::get_if<MaskAttribute>(&layer.mask);
+      const auto* direction = std::get_if<DirectionAttribute>(&layer.direction);
+      return (layer.bias && layer.bias->attribute == kColorAttribute) ||
+             (mask && mask->name == kColorAttribute) || (direction && direction->name == kColorAttribute);
+    });
   }
 
   void makeSurface(const std::vector<glm::vec3>& source_rest) {
@@ -479,6 +510,8 @@ class Cook {
   std::vector<PackedPart> parts_;
   std::vector<PartGeometry> geometry_;
   std::vector<uint32_t> source_vertex_;
+  std::vector<glm::u8vec4> colors_;  // AssetView::colors of the parts packed so far; empty while none has any
+  size_t packed_vertices_ = 0;
   std::vector<std::pair<uint32_t, uint32_t>> place_points_;  // a slot of the hash
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;

@@ -188,9 +188,15 @@ class GpuFrame {
 };
 
 // White says that nobody gave the surface a colour: it becomes clay.
-glm::vec4 shownColor(Float4 base) {
+glm::vec4 shownColor(const AssetView& asset, const Part& part) {
   constexpr float kWhite = 0.98f;
-  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite) return {0.40f, 0.255f, 0.19f, 1.0f};
+  const Float4 base = part.base_color;
+  const auto colored = [&] {
+    return std::any_of(asset.colors.begin() + 4 * part.vertex_begin,
+                       asset.colors.begin() + 4 * part.vertex_end, [](uint8_t c) { return c != 255; });
+  };
+  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite && (asset.colors.empty() || !colored()))
+    return {0.40f, 0.255f, 0.19f, 1.0f};
   return {base.x, base.y, base.z, 1.0f};
 }
 
@@ -212,7 +218,7 @@ struct Renderer::State {
   const AssetView& asset;
   std::map<std::tuple<View, Shading, bool>, GlObject> surface;  // programs by surfaceProgram()'s constants
   GlObject shadow, background, stroke;
-  GlObject vertex_array, uvs, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
+  GlObject vertex_array, uvs, colors, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
   GlObject shadow_map, shadow_frame, empty_map;
   std::vector<TextureSetObjects> texture_sets;
   GLintptr material_stride = 0;
@@ -240,6 +246,7 @@ Renderer::State::State(const AssetView& view) : asset(view) {
   glBindVertexArray(vertex_array);
   indices = makeBuffer(GL_ELEMENT_ARRAY_BUFFER, asset.indices, GL_STATIC_DRAW);
   uvs = makeBuffer(GL_ARRAY_BUFFER, asset.uvs, GL_STATIC_DRAW);
+  colors = makeBuffer(GL_ARRAY_BUFFER, asset.colors, GL_STATIC_DRAW);
   values = GlObject(GlKind::kBuffer);
   stroke_indices = GlObject(GlKind::kBuffer);
   scene_buffer = GlObject(GlKind::kBuffer);
@@ -303,7 +310,8 @@ void Renderer::State::makeMaterials() {
   for (size_t p = 0; p < asset.parts.size(); ++p) {
     const Part& part = asset.parts[p];
     gpu::Material material{};
-    material.base_color = shownColor(part.base_color);
+    material.base_color = shownColor(asset, part);
+    material.roughness = part.roughness;
     for (glm::uvec4& slices : material.slices) slices = glm::uvec4(kAbsent);
     if (part.texture_set != kAbsent) {
       const TextureSet& set = asset.texture_sets[part.texture_set];
@@ -385,6 +393,12 @@ void Renderer::State::bindSurface(const PosedBuffers& posed) const {
 }
 
 void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& options) {
+  if (options.view == View::kBeauty && !asset.colors.empty()) {
+    glBindBuffer(GL_ARRAY_BUFFER, colors);
+    glVertexAttribPointer(kValue, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
+    glEnableVertexAttribArray(kValue);
+    return;
+  }
   std::vector<glm::vec4> shown;
   if (options.view == View::kPoint) shown = pointColors(asset);
   if (options.view == View::kBias) shown = biasValues(asset, options.layer);
@@ -398,7 +412,7 @@ void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& o
     }
   if (shown.empty()) {
     glDisableVertexAttribArray(kValue);
-    glVertexAttrib4f(kValue, 0.0f, 0.0f, 0.0f, 0.0f);
+    glVertexAttrib4f(kValue, 1.0f, 1.0f, 1.0f, 1.0f);
     return;
   }
   refill(values, GL_ARRAY_BUFFER, std::span<const glm::vec4>(shown));

@@ -153,6 +153,8 @@ class GltfImporter {
       const std::vector<double>& color = in.pbrMetallicRoughness.baseColorFactor;
       for (size_t c = 0; c < std::min<size_t>(color.size(), 4); ++c)
         material.base_color[static_cast<int>(c)] = static_cast<float>(std::clamp(color[c], 0.0, 1.0));
+      const double roughness = in.pbrMetallicRoughness.roughnessFactor;  // 1 where the file says nothing
+      if (roughness >= 0.0 && roughness < 1.0) material.roughness = static_cast<float>(roughness);
       scene_.materials.push_back(std::move(material));
     }
   }

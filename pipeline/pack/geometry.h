@@ -37,6 +37,7 @@ struct PackedPart {
   std::string mesh, material;
   uint32_t palette_begin = 0, palette_count = 1, texture_set = 0xffffffffu;
   glm::vec4 base_color{1.0f};
+  float roughness = 0.5f;
   glm::dmat4 rest{1.0};
   bool has_normals = false, has_uvs = false;
 };

@@ -58,13 +58,14 @@ class Writer {
                           ? Offset<format::Stream>()
                           : streamOf(in_.surface.point_positions, sizeof(glm::vec3));
     const auto place_points = writeStream(b_, in_.place_points.data(), 8, in_.place_points.size());
+    const auto colors = streamOf(in_.colors, sizeof(glm::u8vec4));
     const auto asset = format::CreateAsset(
         b_, b_.CreateString(FURROW_VERSION), b_.CreateString(in_.scene.file.filename().string()),
         in_.influences, static_cast<float>(in_.position_error), b_.CreateVector(parts),
         b_.CreateVector(palette), b_.CreateVector(morphs), b_.CreateVector(layers), b_.CreateVector(sets),
         static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, rest,
         bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)),
-        static_cast<float>(morph_error_));
+        static_cast<float>(morph_error_), colors);
     format::FinishAssetBuffer(b_, asset);
 
     AssetHeader header = {};

@@ -20,9 +20,11 @@ struct PackInput {
   const Recipe& recipe;
   const std::vector<BakedLayer>& layers;
   const std::vector<BakedTextureSet>& texture_sets;
-  const std::vector<PackedPart>& parts;                            // by surface part
-  const std::vector<uint32_t>& source_vertex;                      // of the surface's vertices
-  const std::vector<std::pair<uint32_t, uint32_t>>& place_points;  // a slot of the hash: first point, how many
+  const std::vector<PackedPart>& parts;        // by surface part
+  const std::vector<uint32_t>& source_vertex;  // of the surface's vertices
+  const std::vector<glm::u8vec4>& colors;      // of the surface's vertices, or empty
+  const std::vector<std::pair<uint32_t, uint32_t>>&
+      place_points;  // a slot of the hash: first point, how many
   uint32_t influences = 1;
   double position_error = 0.0;
 };

@@ -68,6 +68,7 @@ struct Lines {
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};  // linear
+  float roughness = 0.5f;      // [0, 1]
 };
 
 struct SourceScene {

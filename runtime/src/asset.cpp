@@ -37,6 +37,7 @@ struct Asset::Storage {
   std::deque<std::vector<int16_t>> shorts;
   std::deque<std::vector<int8_t>> bytes;
   std::deque<std::vector<float>> floats;
+  std::vector<uint8_t> colors;
 };
 
 namespace {
@@ -92,8 +93,9 @@ class Loader {
   Loader(Asset::Storage& storage, const format::Asset& asset) : s_(storage), a_(asset) {}
 
   Status load() {
-    for (const auto step : {&Loader::loadParts, &Loader::loadPalette, &Loader::loadPoints, &Loader::loadRest,
-                            &Loader::loadMorphs, &Loader::loadTextures, &Loader::loadLayers})
+    for (const auto step :
+         {&Loader::loadParts, &Loader::loadColors, &Loader::loadPalette, &Loader::loadPoints,
+          &Loader::loadRest, &Loader::loadMorphs, &Loader::loadTextures, &Loader::loadLayers})
       if (Status status = (this->*step)(); !status.ok()) return status;
     return {};
   }
@@ -125,6 +127,8 @@ class Loader {
       if (!readAffine(part->rest(), out.rest)) return bad("a part's rest matrix is not sound");
       out.has_normals = part->has_normals();
       out.has_uvs = part->has_uvs();
+      out.roughness = part->roughness();
+      if (!(out.roughness >= 0.0f && out.roughness <= 1.0f)) return bad("a part's roughness is out of range");
       append(geometry, out.vertex_begin, part->palette_begin());
       if (vertices() >= kAbsent || s_.geometry.indices.size() >= kAbsent) return bad("too many vertices");
       out.vertex_end = static_cast<uint32_t>(vertices());
@@ -144,6 +148,10 @@ class Loader {
     for (uint16_t joint : part.joints) all.joints.push_back(static_cast<uint16_t>(joint + first_entry));
     for (uint32_t source : part.source) all.source.push_back(source + first_vertex);
     for (uint32_t index : part.indices) all.indices.push_back(index + first_vertex);
+  }
+
+  Status loadColors() {
+    return streamCount(a_.colors()) == 0 ? Status() : decode<uint8_t>(a_.colors(), 4, vertices(), s_.colors);
   }
 
   Status loadPalette() {
@@ -503,7 +511,8 @@ Status Asset::load(std::span<const std::byte> file) try {
            bytesOf(asset.place_hash()),
            s.place_points,
            asset.position_error(),
-           asset.morph_error()};
+           asset.morph_error(),
+           s.colors};
   storage_ = std::move(storage);
   return {};
 } catch (const std::bad_alloc&) {

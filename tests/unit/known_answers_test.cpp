@@ -157,6 +157,33 @@ TEST(KnownAnswers, RigidMotionAndInstanceScaleLeaveBiasAndRegion) {
   }
 }
 
+TEST(KnownAnswers, VertexColorsFollowTheirVerticesUnlessALayerReadsThem) {
+  Primitive primitive = sheet(8);
+  pipeline::Attribute color{"COLOR_0", 3, {}};
+  const auto at = [](size_t v, int c) { return static_cast<float>((3 * v + c) % 256) / 255.0f; };
+  for (size_t v = 0; v < primitive.positions.size(); ++v)
+    color.values.insert(color.values.end(), {at(v, 0), at(v, 1), at(v, 2)});
+  primitive.attributes.push_back(color);
+  const auto same = [](glm::dvec3 p) { return p; };
+  for (const auto codec : {pipeline::GeometryCodec::kDraco, pipeline::GeometryCodec::kRaw}) {
+    const Asset asset = cookAsset(sceneOf(primitive, same), recipeOf({axisLayer({1, 0, 0})}), codec);
+    const AssetView& view = asset.view();
+    ASSERT_EQ(view.colors.size(), 4 * view.vertexCount());
+    for (uint32_t v = 0; v < view.vertexCount(); ++v) {
+      for (int c = 0; c < 3; ++c) {
+        const float root = static_cast<float>(view.colors[4 * v + c]) / 255.0f;
+        ASSERT_NEAR(root * root, at(view.source_vertex[v], c), 1.0f / 255.0f);
+      }
+      ASSERT_EQ(view.colors[4 * v + 3], 255);
+    }
+  }
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.bias = pipeline::Bias{"COLOR_0", 0, 0.5};
+  EXPECT_TRUE(cookAsset(sceneOf(primitive, same), recipeOf({layer})).view().colors.empty());
+  primitive.attributes.clear();
+  EXPECT_TRUE(cookAsset(sceneOf(primitive, same), recipeOf({axisLayer({1, 0, 0})})).view().colors.empty());
+}
+
 TEST(KnownAnswers, SplittingATriangleOfAFanChangesNothing) {
   Primitive fan;
   fan.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};

@@ -53,7 +53,7 @@ FURROW_INSTANCE(scene);
 FURROW_BLOCK(Material) {
   vec4 base_color;
   uint with_masks;  // 0: Layer::mask of the vertex
-  uint pad0;
+  float roughness;
   uint pad1;
   uint pad2;
   uvec4 slices[kMaxPreviewLayers];       // as furrow_shade.glsl takes them

@@ -6,7 +6,6 @@ uniform sampler2DShadow shadow_map;
 layout(location = 0) out vec4 color;
 
 const float kPi = 3.14159265;
-const float kRoughness = 0.5;
 const float kReflectance = 0.035;
 // How far light wraps round the form, and how much of the bump reaches the diffuse light, by channel: red
 // travels farthest in skin.
@@ -140,7 +139,7 @@ void main() {
 
   vec3 bitangent = vertex.tangent.w * cross(vertex.normal, vertex.tangent.xyz);
   mat3 frame = mat3(vertex.tangent.xyz, bitangent, vertex.normal) * side;
-  vec3 base = material.base_color.rgb;
+  vec3 base = material.base_color.rgb * vertex.value.rgb * vertex.value.rgb;
   float shadow = shadowAt(vertex.position, form);
 
   if (!kMaps || kShading == kShadingAlpha || kShading == kShadingNone) {
@@ -155,13 +154,13 @@ void main() {
         crease *= one.shading;
       }
     }
-    vec3 lit = shade(base, form, form, v, 1.0, kRoughness, shadow);
+    vec3 lit = shade(base, form, form, v, 1.0, material.roughness, shadow);
     color = vec4(toneMap(furrowAlphaShade(lit, 1.0, 1.0 - crease)), 1.0);
     return;
   }
 
   if (kShading == kShadingBlend) {
-    vec3 plain = shade(base, form, form, v, 1.0, kRoughness, shadow);
+    vec3 plain = shade(base, form, form, v, 1.0, material.roughness, shadow);
     vec3 total = plain;
     for (uint i = 0u; i < scene.layers; ++i) {
       float w = component(vertex.weights, i);
@@ -171,7 +170,7 @@ void main() {
       uvec4 unmasked = uvec4(material.slices[i].xy, FURROW_NO_SLICE, 0u);
       furrowAddLayer(full, sign(w), unmasked, vertex.uv);
       vec3 n = normalize(frame * furrowNormal(full));
-      vec3 bumped = shade(base, form, n, v, full.shading, kRoughness, shadow);
+      vec3 bumped = shade(base, form, n, v, full.shading, material.roughness, shadow);
       total += furrowBlend(plain, bumped, I) - plain;
     }
     color = vec4(toneMap(max(total, 0.0)), 1.0);
@@ -183,7 +182,7 @@ void main() {
     furrowAddLayer(wrinkles, component(vertex.weights, i), material.slices[i], vertex.uv);
   vec3 bump = furrowNormal(wrinkles);
   vec2 slope = furrowSlope(bump);
-  float roughness = furrowRoughness(kRoughness, furrowSlopeVariance(dFdx(slope), dFdy(slope)));
+  float roughness = furrowRoughness(material.roughness, furrowSlopeVariance(dFdx(slope), dFdy(slope)));
   vec3 n = normalize(frame * bump);
   color = vec4(toneMap(shade(base, form, n, v, wrinkles.shading, roughness, shadow)), 1.0);
 }

@@ -4,7 +4,7 @@ layout(location = 2) in vec4 tangent;
 layout(location = 3) in vec2 uv;
 layout(location = 4) in vec4 weights[4];
 layout(location = 8) in vec4 masks[4];
-layout(location = 12) in vec4 value;  // of the view
+layout(location = 12) in vec4 value;  // of the view; of beauty: the colour, see AssetView::colors
 
 out Surface {
   vec3 position;

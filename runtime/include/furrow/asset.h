@@ -51,6 +51,7 @@ struct Part {
   Float4 base_color;             // linear; for previews
   Affine rest;                   // part space -> the scene root's space at rest
   bool has_normals, has_uvs;     // of the source; normals are computed where it had none, UVs are zero
+  float roughness;               // [0, 1]; for previews
 };
 
 // One matrix of the palette that poses the asset: palette[i] = world(node) * inverse_bind, where world()
@@ -179,6 +180,9 @@ struct AssetView {
   // Measured by the cook, in root space: largest |asset - source| of a vertex at rest, and of the
   // displacement of a vertex by a morph target at weight 1.
   float position_error, morph_error;
+  // 4 a vertex, empty if the source has none: what Part::base_color is multiplied by, red, green and blue
+  // each as 255 times the square root of the linear value, then 255. For previews.
+  std::span<const uint8_t> colors;
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }
   uint32_t triangleCount() const { return static_cast<uint32_t>(indices.size() / 3); }
