@@ -4,7 +4,6 @@
 
 #include "editor/cli/commands.h"
 #include "editor/cli/pose_options.h"
-#include "editor/preview/headless_context.h"
 #include "furrow/gl/executor.h"
 #include "pipeline/error.h"
 #include "pipeline/pack/output_file.h"
@@ -56,19 +55,13 @@ Result runCpu(const AssetView& asset, const FrameInput& input) {
   return result;
 }
 
-Result runGpu(const AssetView& asset, const FrameInput& input) {
-  const PlanOptions options{false, false};
-  const FramePlan plan(asset, options);
+Result runGpu(const AssetView& asset, const FrameInput& input, Form form) {
+  const FramePlan plan(asset, {.form = form, .normals = false});
   gl::Executor executor;
   if (const Status status = executor.create(plan); !status.ok())
-    throw Error(Exit::kEnvironment, "--backend gpu", status.message, "use --backend cpu");
-  std::vector<std::byte> frame(plan.buffer(Buffer::kFrame).bytes),
-      morphs(plan.buffer(Buffer::kMorphWeights).bytes);
-  writeFrameConstants(asset, options, input, frame);
-  writeMorphWeights(asset, input, morphs);
-  executor.upload(Buffer::kFrame, frame);
-  if (!morphs.empty()) executor.upload(Buffer::kMorphWeights, morphs);
-  executor.upload(Buffer::kPalette, std::as_bytes(input.palette));
+    throw Error(Exit::kEnvironment, form == Form::kRaster ? "--backend gpu-raster" : "--backend gpu",
+                status.message, "use --backend cpu");
+  executor.upload(input);
   executor.run();
   Result result;
   result.positions.resize(asset.vertexCount());
@@ -108,25 +101,21 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
 
 void run(const Options& options) {
   options.pose.validate();
+  std::unique_ptr<preview::HeadlessContext> context;
+  const gl::TierChoice choice = chooseTier(options.pose.backend, context);
   const OpenedAsset opened = openAsset(options.asset);
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
-  std::unique_ptr<preview::HeadlessContext> context;
-  std::string context_error;
-  if (options.pose.backend != "cpu") {
-    try {
-      context = std::make_unique<preview::HeadlessContext>();
-    } catch (const Error& error) {
-      context_error = error.what();
-    }
-  }
   const AssetView& asset = opened.asset.view();
-  const Result result = chooseGpu(options.pose.backend, context_error) ? runGpu(asset, frame.input)
-                                                                       : runCpu(asset, frame.input);
+  const Result result =
+      choice.tier == gl::Tier::kCpu
+          ? runCpu(asset, frame.input)
+          : runGpu(asset, frame.input, choice.tier == gl::Tier::kGpu ? Form::kStaged : Form::kRaster);
   const std::string text = csv(asset, result, frame.origin);
   if (!options.out.empty())
     pipeline::writeFile(options.out, std::as_bytes(std::span(text)));
   else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     throw Error(Exit::kEnvironment, "standard output", "cannot be written", "name a file with -o");
+  printTier(options.pose.backend, choice);
   printWarnings(options.asset, opened.warnings);
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "furrow/gl/executor.h"
 #include "pipeline/arkit.h"
 #include "pipeline/error.h"
 #include "pipeline/import/take.h"
@@ -63,6 +62,13 @@ void applyTake(const std::string& file, double time, const std::vector<std::stri
                  pipeline::joinNames(unknown, 80).c_str());
 }
 
+std::string_view wantedTier(const std::string& backend) {
+  std::string_view wanted;
+  if (const Status status = gl::wantedTier(backend, wanted); !status.ok())
+    throw Error(Exit::kBadUsage, "environment", status.message, "set it to one of these, or not at all");
+  return wanted;
+}
+
 }  // namespace
 
 void PoseOptions::add(CLI::App& command) {
@@ -80,16 +86,16 @@ void PoseOptions::add(CLI::App& command) {
   command
       .add_option("--scale", scale, "Uniform scale of the whole instance that the pose contains (default 1)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--backend", backend, "Tier to compute on (default auto)")
+  command
+      .add_option("--backend", backend,
+                  "Tier to compute on (default auto: FURROW_BACKEND, or the best there is)")
       ->check(CLI::IsMember({"auto", "gpu", "gpu-raster", "cpu"}));
 }
 
 void PoseOptions::validate() const {
   for (const std::string& text : morphs) assignment(text, "--morph");
   for (const std::string& text : regions) assignment(text, "--region");
-  if (backend == "gpu-raster")
-    throw Error(Exit::kEnvironment, "--backend gpu-raster", "this furrow was built without it",
-                "use --backend gpu or cpu");
+  wantedTier(backend);
 }
 
 preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
@@ -123,19 +129,24 @@ preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& opti
                             static_cast<float>(options.scale));
 }
 
-bool chooseGpu(const std::string& backend, const std::string& context_error) {
-  if (backend == "cpu") return false;
-  std::string reason = context_error;
-  if (reason.empty()) {
-    const gl::Support support = gl::querySupport();
-    if (support.gpu) return true;
-    reason = support.reason;
+gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context) {
+  const std::string_view wanted = wantedTier(backend);
+  std::string no_context;
+  try {
+    if (wanted != "cpu" && !context) context = std::make_unique<preview::HeadlessContext>();
+  } catch (const Error& error) {
+    no_context = error.what();
+    no_context.resize(no_context.rfind(": "));  // what to do is another here
   }
-  if (backend == "gpu")
-    throw Error(Exit::kEnvironment, "--backend gpu", "not available (" + reason + ")",
-                "use --backend cpu or auto");
-  std::fprintf(stderr, "furrow: using the cpu tier: %s\n", reason.c_str());
-  return false;
+  gl::TierChoice choice;
+  if (const Status status = gl::chooseTier(wanted, no_context, choice); !status.ok())
+    throw Error(Exit::kEnvironment, "--backend " + std::string(wanted), status.message, "use auto");
+  return choice;
+}
+
+void printTier(const std::string& backend, const gl::TierChoice& choice) {
+  if (backend == "auto" && choice.tier != gl::Tier::kGpu)
+    std::fprintf(stderr, "furrow: using the tier %s\n", choice.reason);
 }
 
 }  // namespace furrow::cli

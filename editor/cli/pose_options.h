@@ -3,12 +3,15 @@
 // The options that choose a pose, shared by eval and render.
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "editor/cli/open_asset.h"
+#include "editor/preview/headless_context.h"
 #include "editor/preview/posed_frame.h"
+#include "furrow/gl/tier.h"
 
 namespace furrow::cli {
 
@@ -21,17 +24,19 @@ struct PoseOptions {
 
   void add(CLI::App& command);
 
-  // What can be refused before a file is opened. Throws Error: kBadUsage for a morph or region that is not
-  // NAME=NUMBER, kEnvironment for a tier that this build lacks.
+  // What can be refused before a file is opened. Throws Error (kBadUsage) for a morph or region that is not
+  // NAME=NUMBER and for a FURROW_BACKEND that is no tier.
   void validate() const;
 };
 
 // Throws Error (kBadUsage) for a clip, morph target or layer that the asset lacks, naming those it has.
 preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options);
 
-// The tier to run: "gpu" or "cpu". For auto, cpu where there is no OpenGL 4.3, and says so on stderr. A
-// forced tier that is missing throws Error (kEnvironment). Needs a current context for gpu: `context_error`
-// says why there is none, or is empty.
-bool chooseGpu(const std::string& backend, const std::string& context_error);
+// The tier of --backend or FURROW_BACKEND; a forced one that is missing throws Error (kEnvironment).
+// `context` is made where the tier may need one.
+gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context);
+
+// Says on stderr where auto came to less than the gpu tier.
+void printTier(const std::string& backend, const gl::TierChoice& choice);
 
 }  // namespace furrow::cli

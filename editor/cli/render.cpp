@@ -3,7 +3,6 @@
 
 #include "editor/cli/commands.h"
 #include "editor/cli/pose_options.h"
-#include "editor/preview/headless_context.h"
 #include "editor/preview/renderer.h"
 #include "pipeline/error.h"
 
@@ -50,6 +49,9 @@ void run(const Options& options) {
   preview::RenderOptions render;
   parseSize(options.size, render.width, render.height);
   options.pose.validate();
+  auto context = std::make_unique<preview::HeadlessContext>();
+  const gl::TierChoice choice = chooseTier(options.pose.backend, context);
+  render.tier = choice.tier;
   const OpenedAsset opened = openAsset(options.asset);
   const AssetView& asset = opened.asset.view();
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
@@ -60,12 +62,9 @@ void run(const Options& options) {
       throw Error(Exit::kBadUsage, options.asset, "it has no layer \"" + options.layer + "\"",
                   "see 'furrow info'");
   }
-  const preview::HeadlessContext context;
-  const bool gpu = chooseGpu(options.pose.backend, {});
-  render.tier = gpu ? preview::Tier::kGpu : preview::Tier::kCpu;
-  render.shading = !options.shading.empty() ? kShadings.at(options.shading)
-                   : gpu                    ? preview::Shading::kInterpolated
-                                            : preview::Shading::kAlpha;
+  render.shading = !options.shading.empty()        ? kShadings.at(options.shading)
+                   : render.tier == gl::Tier::kCpu ? preview::Shading::kAlpha
+                                                   : preview::Shading::kInterpolated;
   render.view = kViews.at(options.view);
 
   std::vector<Float3> posed(asset.vertexCount());
@@ -83,6 +82,7 @@ void run(const Options& options) {
                             static_cast<float>(options.target[2] - frame.origin[2])};
   preview::Renderer renderer(asset);
   pipeline::writeImage(options.out, renderer.render(frame.input, render));
+  printTier(options.pose.backend, choice);
   printWarnings(options.asset, opened.warnings);
 }
 

@@ -157,32 +157,22 @@ class CpuFrame {
 
 class GpuFrame {
  public:
-  explicit GpuFrame(const AssetView& asset) : asset_(asset), plan_(asset, options_) {
+  GpuFrame(const AssetView& asset, Form form) : plan_(asset, {.form = form}) {
     if (const Status status = executor_.create(plan_); !status.ok())
       throw Error(status.code == StatusCode::kOutOfMemory || status.code == StatusCode::kUnavailable
                       ? Exit::kEnvironment
                       : Exit::kBadData,
-                  "gpu tier", status.message, "use the cpu tier");
+                  form == Form::kRaster ? "gpu-raster tier" : "gpu tier", status.message, "use the cpu tier");
   }
 
   PosedBuffers run(const FrameInput& input) {
-    executor_.upload(Buffer::kPalette, std::as_bytes(input.palette));
-    std::vector<std::byte> bytes(plan_.buffer(Buffer::kMorphWeights).bytes);
-    if (!bytes.empty()) {
-      writeMorphWeights(asset_, input, bytes);
-      executor_.upload(Buffer::kMorphWeights, bytes);
-    }
-    bytes.resize(plan_.buffer(Buffer::kFrame).bytes);
-    writeFrameConstants(asset_, options_, input, bytes);
-    executor_.upload(Buffer::kFrame, bytes);
+    executor_.upload(input);
     executor_.run();
     return {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
             executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
   }
 
  private:
-  const AssetView& asset_;
-  PlanOptions options_;
   FramePlan plan_;
   gl::Executor executor_;
 };
@@ -227,7 +217,7 @@ struct Renderer::State {
   uint32_t stroke_layer = kAbsent;
   GLsizei strokes = 0;
   std::unique_ptr<CpuFrame> cpu;
-  std::unique_ptr<GpuFrame> gpu_frame;
+  std::unique_ptr<GpuFrame> gpu_frame, raster_frame;
   std::unique_ptr<PictureTarget> target;
 
  private:
@@ -362,8 +352,9 @@ PosedBuffers Renderer::State::pose(const FrameInput& input, Tier tier) {
     if (!cpu) cpu = std::make_unique<CpuFrame>(asset);
     return cpu->run(input);
   }
-  if (!gpu_frame) gpu_frame = std::make_unique<GpuFrame>(asset);
-  return gpu_frame->run(input);
+  std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
+  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kStaged : Form::kRaster);
+  return frame->run(input);
 }
 
 void Renderer::State::bindSurface(const PosedBuffers& posed) const {

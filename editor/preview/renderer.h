@@ -8,11 +8,12 @@
 
 #include "editor/preview/camera.h"
 #include "furrow/frame_plan.h"
+#include "furrow/gl/tier.h"
 #include "pipeline/maps/image.h"
 
 namespace furrow::preview {
 
-enum class Tier : uint8_t { kGpu, kCpu };
+using gl::Tier;
 enum class Shading : uint8_t {
   kInterpolated,
   kBlend,

@@ -4,16 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cstring>
-#include <string>
+#include <vector>
+
+#include "furrow/gl/tier.h"
+#include "program.h"
 
 namespace furrow::gl {
 
 namespace {
 
 constexpr size_t kBuffers = static_cast<size_t>(Buffer::kCount);
-constexpr size_t kShaders = static_cast<size_t>(Shader::kCount);
 
 GLint limit(GLenum name) {
   GLint value = 0;
@@ -25,41 +26,19 @@ bool hasDebug() {
   return epoxy_gl_version() >= 43 || epoxy_has_gl_extension("GL_KHR_debug");
 }
 
-// The first line of a compile or link log that says something.
-template <typename GetLength, typename GetLog>
-std::string firstLine(GLuint name, GetLength get_length, GetLog get_log) {
-  GLint length = 0;
-  get_length(name, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
-  get_log(name, length, nullptr, log.data());
-  const size_t begin = log.find_first_not_of(" \t\r\n");
-  if (begin == std::string::npos || log[begin] == '\0') return "the driver gave no reason";
-  return log.substr(begin, log.find_first_of(std::string("\r\n\0", 3), begin) - begin);
-}
-
-const char* shaderName(Shader shader) {
-  static constexpr const char* kNames[kShaders] = {"deform", "compress", "smooth", "respond"};
-  return kNames[static_cast<size_t>(shader)];
+bool isTexels(Access access) {
+  return access == Access::kFloats || access == Access::kWords;
 }
 
 }  // namespace
 
-Support querySupport() {
-  Support support;
-  const int version = epoxy_gl_version();
-  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  const char* name = renderer ? renderer : "unknown renderer";
-  support.gpu = epoxy_is_desktop_gl() && version >= 43;
-  std::snprintf(support.reason, sizeof support.reason, "%s, OpenGL%s %d.%d%s", name,
-                epoxy_is_desktop_gl() ? "" : " ES", version / 10, version % 10,
-                support.gpu ? "" : "; compute needs OpenGL 4.3");
-  return support;
-}
-
 struct Executor::State {
   const FramePlan* plan = nullptr;
   std::array<GLuint, kBuffers> buffers{};
-  std::array<GLuint, kShaders> programs{};
+  std::vector<GLuint> programs;  // an item
+  // Of the raster form.
+  std::array<GLuint, kBuffers> texels{};  // buffer textures
+  GLuint sums = 0, framebuffer = 0, vertex_array = 0;
   bool debug = false;
 
   State() = default;
@@ -68,71 +47,57 @@ struct Executor::State {
   ~State() {
     for (GLuint program : programs) glDeleteProgram(program);
     glDeleteBuffers(static_cast<GLsizei>(kBuffers), buffers.data());
+    if (plan->options().form != Form::kRaster) return;
+    glDeleteTextures(static_cast<GLsizei>(kBuffers), texels.data());
+    glDeleteTextures(1, &sums);
+    glDeleteFramebuffers(1, &framebuffer);
+    glDeleteVertexArrays(1, &vertex_array);
   }
 
-  Status checkLimits() const;
-  Status compile(Shader shader);
+  bool raster() const { return plan->options().form == Form::kRaster; }
+  GLuint buffer(Buffer id) const { return id == Buffer::kCount ? 0 : buffers[static_cast<size_t>(id)]; }
+  Status checkLimits(const Item& item) const;
   Status allocate(Buffer buffer);
+  void makeTexels(const Binding& binding);
+  Status makeSums();
+  void dispatch(const Item& item) const;
+  void draw(const Item& item) const;
+  void drawTo(uint32_t slice) const;
+  void readPointQ(std::span<std::byte> bytes) const;
 };
 
-Status Executor::State::checkLimits() const {
+Status Executor::State::checkLimits(const Item& item) const {
+  if (item.kind != ItemKind::kDispatch) return {};
   const auto blocks = limit(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
-  const auto slots =
-      std::min(limit(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS), limit(GL_MAX_UNIFORM_BUFFER_BINDINGS));
-  GLint groups[2];
-  for (GLuint axis = 0; axis < 2; ++axis)
-    glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &groups[axis]);
-  for (const Dispatch& dispatch : plan->dispatches()) {
-    const auto storage =
-        std::count_if(dispatch.bindings.begin(), dispatch.bindings.end(),
-                      [](const Binding& binding) { return binding.buffer != Buffer::kFrame; });
-    if (storage > blocks)
-      return Status::error(StatusCode::kUnavailable, "%s needs %d storage buffers and this OpenGL has %d",
-                           dispatch.label, static_cast<int>(storage), blocks);
-    for (const Binding& binding : dispatch.bindings)
-      if (binding.slot >= static_cast<uint32_t>(slots))
-        return Status::error(StatusCode::kUnavailable, "%s binds slot %u and this OpenGL has %d",
-                             dispatch.label, binding.slot, slots);
-    for (int axis = 0; axis < 2; ++axis)
-      if (dispatch.groups[axis] > static_cast<uint32_t>(groups[axis]))
-        return Status::error(StatusCode::kUnavailable, "%s needs %u work-groups and this OpenGL allows %d",
-                             dispatch.label, dispatch.groups[axis], groups[axis]);
+  const auto storage = std::count_if(item.bindings.begin(), item.bindings.end(), [](const Binding& binding) {
+    return binding.access == Access::kStorage;
+  });
+  if (storage > blocks)
+    return Status::error(StatusCode::kUnavailable, "%s needs %d storage buffers and this OpenGL has %d",
+                         item.label, static_cast<int>(storage), blocks);
+  const auto slots = static_cast<uint32_t>(
+      std::min(limit(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS), limit(GL_MAX_UNIFORM_BUFFER_BINDINGS)));
+  for (const Binding& binding : item.bindings)
+    if (binding.slot >= slots)
+      return Status::error(StatusCode::kUnavailable, "%s binds slot %u and this OpenGL has %u", item.label,
+                           binding.slot, slots);
+  for (GLuint axis = 0; axis < 2; ++axis) {
+    GLint most = 0;
+    glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &most);
+    if (item.groups[axis] > static_cast<uint32_t>(most))
+      return Status::error(StatusCode::kUnavailable, "%s needs %u work-groups and this OpenGL allows %d",
+                           item.label, item.groups[axis], most);
   }
   return {};
 }
 
-Status Executor::State::compile(Shader shader) {
-  GLuint& program = programs[static_cast<size_t>(shader)];
-  if (program) return {};
-  const GLuint stage = glCreateShader(GL_COMPUTE_SHADER);
-  const char* source = shaderSource(shader);
-  glShaderSource(stage, 1, &source, nullptr);
-  glCompileShader(stage);
-  GLint done = GL_FALSE;
-  glGetShaderiv(stage, GL_COMPILE_STATUS, &done);
-  if (!done) {
-    const std::string line = firstLine(stage, glGetShaderiv, glGetShaderInfoLog);
-    glDeleteShader(stage);
-    return Status::error(StatusCode::kUnavailable, "shader %s: %s", shaderName(shader), line.c_str());
-  }
-  program = glCreateProgram();
-  glAttachShader(program, stage);
-  glLinkProgram(program);
-  glDetachShader(program, stage);
-  glDeleteShader(stage);
-  glGetProgramiv(program, GL_LINK_STATUS, &done);
-  if (!done)
-    return Status::error(StatusCode::kUnavailable, "shader %s: %s", shaderName(shader),
-                         firstLine(program, glGetProgramiv, glGetProgramInfoLog).c_str());
-  if (debug) glObjectLabel(GL_PROGRAM, program, -1, shaderName(shader));
-  return {};
-}
-
-Status Executor::State::allocate(Buffer buffer) {
-  const BufferDesc& desc = plan->buffer(buffer);
+Status Executor::State::allocate(Buffer id) {
+  const BufferDesc& desc = plan->buffer(id);
   if (desc.bytes == 0) return {};
-  const auto most = static_cast<uint64_t>(
-      limit(buffer == Buffer::kFrame ? GL_MAX_UNIFORM_BLOCK_SIZE : GL_MAX_SHADER_STORAGE_BLOCK_SIZE));
+  const auto most =
+      id == Buffer::kFrame ? static_cast<uint64_t>(limit(GL_MAX_UNIFORM_BLOCK_SIZE))
+      : raster() ? uint64_t{sizeof(uint32_t)} * static_cast<uint64_t>(limit(GL_MAX_TEXTURE_BUFFER_SIZE))
+                 : static_cast<uint64_t>(limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE));
   if (desc.bytes > most)
     return Status::error(StatusCode::kUnavailable, "buffer %s has %llu bytes and this OpenGL allows %llu",
                          desc.name, static_cast<unsigned long long>(desc.bytes),
@@ -140,7 +105,7 @@ Status Executor::State::allocate(Buffer buffer) {
   if (!desc.initial.empty() && desc.initial.size() != desc.bytes)
     return Status::error(StatusCode::kInvalidArgument, "buffer %s has %llu bytes and %zu to fill it",
                          desc.name, static_cast<unsigned long long>(desc.bytes), desc.initial.size());
-  GLuint& name = buffers[static_cast<size_t>(buffer)];
+  GLuint& name = buffers[static_cast<size_t>(id)];
   glGenBuffers(1, &name);
   glBindBuffer(GL_COPY_WRITE_BUFFER, name);
   glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(desc.bytes),
@@ -153,26 +118,154 @@ Status Executor::State::allocate(Buffer buffer) {
   return {};
 }
 
+void Executor::State::makeTexels(const Binding& binding) {
+  const GLuint from = buffer(binding.buffer);
+  if (!isTexels(binding.access) || from == 0) return;
+  GLuint& texture = texels[static_cast<size_t>(binding.buffer)];
+  if (texture) return;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_BUFFER, texture);
+  glTexBuffer(GL_TEXTURE_BUFFER, binding.access == Access::kFloats ? GL_R32F : GL_R32UI, from);
+  glBindTexture(GL_TEXTURE_BUFFER, 0);
+}
+
+Status Executor::State::makeSums() {
+  const SumsDesc& desc = plan->sums();
+  glGenVertexArrays(1, &vertex_array);
+  glGenFramebuffers(1, &framebuffer);
+  const auto side = static_cast<uint32_t>(limit(GL_MAX_TEXTURE_SIZE));
+  if (desc.width > side || desc.height > side)
+    return Status::error(StatusCode::kUnavailable, "the sums are %u x %u and this OpenGL allows %u",
+                         desc.width, desc.height, side);
+  glGenTextures(1, &sums);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, sums);
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32F, static_cast<GLsizei>(desc.width),
+               static_cast<GLsizei>(desc.height), static_cast<GLsizei>(std::max(desc.slices, 1u)), 0, GL_RGBA,
+               GL_FLOAT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    return Status::error(StatusCode::kOutOfMemory, "no GPU memory for sums of %u x %u x %u", desc.width,
+                         desc.height, desc.slices);
+  if (debug) glObjectLabel(GL_TEXTURE, sums, -1, "furrow sums");
+  drawTo(0);
+  const GLenum complete = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  if (complete != GL_FRAMEBUFFER_COMPLETE)
+    return Status::error(StatusCode::kUnavailable, "this OpenGL cannot draw into float textures");
+  return {};
+}
+
+void Executor::State::drawTo(uint32_t slice) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, sums, 0, static_cast<GLint>(slice));
+}
+
+void Executor::State::dispatch(const Item& item) const {
+  for (const Binding& binding : item.bindings)
+    glBindBufferBase(binding.access == Access::kUniform ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER,
+                     binding.slot, buffer(binding.buffer));
+  glDispatchCompute(item.groups[0], item.groups[1], 1);
+}
+
+void Executor::State::draw(const Item& item) const {
+  for (const Binding& binding : item.bindings) {
+    if (binding.access == Access::kUniform) {
+      glBindBufferBase(GL_UNIFORM_BUFFER, binding.slot, buffer(binding.buffer));
+    } else if (binding.access == Access::kCapture) {
+      glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, binding.slot, buffer(binding.buffer));
+    } else if (binding.access == Access::kIndices) {
+      glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer(binding.buffer));
+    } else {
+      glActiveTexture(GL_TEXTURE0 + binding.slot);
+      const bool is_sums = binding.access == Access::kSums;
+      glBindTexture(is_sums ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_BUFFER,
+                    is_sums ? sums : texels[static_cast<size_t>(binding.buffer)]);
+    }
+  }
+  if (!item.captured.empty()) {
+    glEnable(GL_RASTERIZER_DISCARD);
+    glBeginTransformFeedback(GL_POINTS);
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(item.count));
+    glEndTransformFeedback();
+    glDisable(GL_RASTERIZER_DISCARD);
+    for (const Binding& binding : item.bindings)
+      if (binding.access == Access::kCapture) glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, binding.slot, 0);
+    return;
+  }
+  drawTo(item.slice);
+  glViewport(0, 0, static_cast<GLsizei>(plan->sums().width), static_cast<GLsizei>(plan->sums().height));
+  glEnable(GL_BLEND);
+  glBlendEquation(GL_FUNC_ADD);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.count), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(size_t{item.first} * sizeof(uint32_t)));
+  glDisable(GL_BLEND);
+}
+
+// q = sum of q x angle over sum of angles, 1 where nothing was added.
+void Executor::State::readPointQ(std::span<std::byte> bytes) const {
+  const SumsDesc& desc = plan->sums();
+  const size_t points = plan->asset().pointCount(), texels_a_slice = size_t{desc.width} * desc.height;
+  std::vector<Float4> texels_read(texels_a_slice * desc.slices);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, sums);
+  glGetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA, GL_FLOAT, texels_read.data());
+  glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+  std::vector<float> q(points * plan->asset().layerCount(), 1.0f);
+  for (size_t s = 0; s < plan->slices().size(); ++s)
+    for (size_t p = 0; p < points; ++p) {
+      const Float4& sum = texels_read[s * texels_a_slice + p];
+      const float channels[3] = {sum.x, sum.y, sum.z};
+      for (size_t c = 0; c < 3; ++c)
+        if (const uint32_t layer = plan->slices()[s].layers[c]; layer != kAbsent && sum.w > 0.0f)
+          q[layer * points + p] = channels[c] / sum.w;
+    }
+  std::memcpy(bytes.data(), q.data(), std::min(bytes.size(), q.size() * sizeof(float)));
+}
+
 Executor::Executor() = default;
 Executor::~Executor() = default;
 
 Status Executor::create(const FramePlan& plan) {
   state_.reset();
   const Support support = querySupport();
-  if (!support.gpu) return Status::error(StatusCode::kUnavailable, "%s", support.reason);
+  if (!(plan.options().form == Form::kRaster ? support.gpu_raster : support.gpu))
+    return Status::error(StatusCode::kUnavailable, "%s", support.reason);
 
   auto state = std::make_unique<State>();
   state->plan = &plan;
   state->debug = hasDebug();
   while (glGetError() != GL_NO_ERROR) {
   }
-  if (const Status status = state->checkLimits(); !status.ok()) return status;
-  for (const Dispatch& dispatch : plan.dispatches())
-    if (const Status status = state->compile(dispatch.shader); !status.ok()) return status;
   for (size_t i = 0; i < kBuffers; ++i)
     if (const Status status = state->allocate(static_cast<Buffer>(i)); !status.ok()) return status;
+  for (const Item& item : plan.items()) {
+    if (const Status status = state->checkLimits(item); !status.ok()) return status;
+    Status status;
+    const bool has_shader = item.kind == ItemKind::kDispatch || item.kind == ItemKind::kDraw;
+    state->programs.push_back(has_shader ? makeProgram(item, status) : 0);
+    if (!status.ok()) return status;
+    if (state->debug && has_shader) glObjectLabel(GL_PROGRAM, state->programs.back(), -1, item.label);
+    for (const Binding& binding : item.bindings) state->makeTexels(binding);
+  }
+  if (state->raster())
+    if (const Status status = state->makeSums(); !status.ok()) return status;
   state_ = std::move(state);
   return {};
+}
+
+void Executor::upload(const FrameInput& input) {
+  const FramePlan& plan = *state_->plan;
+  std::vector<std::byte> bytes(plan.buffer(Buffer::kFrame).bytes);
+  plan.writeFrame(input, bytes);
+  upload(Buffer::kFrame, bytes);
+  if (plan.options().posed_by_host) return;
+  bytes.resize(plan.buffer(Buffer::kMorphWeights).bytes);
+  plan.writeMorphWeights(input, bytes);
+  upload(Buffer::kMorphWeights, bytes);
+  upload(Buffer::kPalette, std::as_bytes(input.palette));
 }
 
 void Executor::upload(Buffer buffer, std::span<const std::byte> bytes) {
@@ -182,32 +275,61 @@ void Executor::upload(Buffer buffer, std::span<const std::byte> bytes) {
 }
 
 void Executor::run() {
-  if (state_->debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, "furrow");
-  for (const Dispatch& dispatch : state_->plan->dispatches()) {
-    if (state_->debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, dispatch.label);
-    glUseProgram(state_->programs[static_cast<size_t>(dispatch.shader)]);
-    for (const Binding& binding : dispatch.bindings)
-      glBindBufferBase(binding.buffer == Buffer::kFrame ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER,
-                       binding.slot, handle(binding.buffer));
-    glDispatchCompute(dispatch.groups[0], dispatch.groups[1], 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    if (state_->debug) glPopDebugGroup();
+  const State& s = *state_;
+  if (s.debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, "furrow");
+  if (s.raster()) {
+    glBindVertexArray(s.vertex_array);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_DEPTH_TEST);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    s.drawTo(0);  // without a window there is no other framebuffer, and captures want one too
+    glDisable(GL_PROGRAM_POINT_SIZE);
+    glPointSize(1.0f);
   }
-  // What comes next may draw from the results, read them back or write over the inputs.
-  glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                  GL_BUFFER_UPDATE_BARRIER_BIT);
+  for (size_t i = 0; i < s.programs.size(); ++i) {
+    const Item& item = s.plan->items()[i];
+    if (s.debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, item.label);
+    if (s.programs[i]) glUseProgram(s.programs[i]);
+    constexpr GLfloat kNothing[4] = {};
+    switch (item.kind) {
+      case ItemKind::kDispatch:
+        s.dispatch(item);
+        break;
+      case ItemKind::kDraw:
+        s.draw(item);
+        break;
+      case ItemKind::kClear:
+        s.drawTo(item.slice);
+        glClearBufferfv(GL_COLOR, 0, kNothing);
+        break;
+      case ItemKind::kBarrier:  // OpenGL orders draws itself
+        if (!s.raster()) glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        break;
+    }
+    if (s.debug) glPopDebugGroup();
+  }
+  if (s.raster()) {
+    glActiveTexture(GL_TEXTURE0);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glBindVertexArray(0);
+  } else {
+    // What comes next may draw from the results, read them back or write over the inputs.
+    glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_BUFFER_UPDATE_BARRIER_BIT);
+  }
   glUseProgram(0);
-  if (state_->debug) glPopDebugGroup();
+  if (s.debug) glPopDebugGroup();
 }
 
 void Executor::read(Buffer buffer, std::span<std::byte> bytes) const {
   if (bytes.empty()) return;
+  if (buffer == Buffer::kPointQ && state_->raster()) return state_->readPointQ(bytes);
   glBindBuffer(GL_COPY_READ_BUFFER, handle(buffer));
   glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
 }
 
 uint32_t Executor::handle(Buffer buffer) const {
-  return state_ ? state_->buffers[static_cast<size_t>(buffer)] : 0;
+  return state_ ? state_->buffer(buffer) : 0;
 }
 
 }  // namespace furrow::gl

@@ -303,12 +303,40 @@ TEST_F(BadInput, Usage) {
   expectNothingLeft();
 }
 
+// For the runs of the tool in a scope.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
+  ~Environment() { unsetenv(name_); }
+
+ private:
+  const char* name_;
+};
+
 TEST_F(BadInput, ABackendThatIsNotThere) {
   const std::string asset = folder() / "sheet.furrow";
   ASSERT_EQ(run({"cook", write("sheet.glb", sheet()), "-o", asset, "--quiet"}).status, 0);
+  const Environment old_driver("MESA_GL_VERSION_OVERRIDE", "3.3");
   for (const std::string& file : {asset, std::string(folder() / "missing.furrow")})
-    expectRefused(run({"eval", file, "--backend", "gpu-raster", "-o", output() / "out.csv"}), 3,
-                  "gpu-raster");
+    expectRefused(run({"eval", file, "--backend", "gpu", "-o", output() / "out.csv"}), 3, "needs OpenGL 4.3");
+  const Environment no_driver("LIBGL_DRIVERS_PATH", "/nowhere"), silent("EGL_LOG_LEVEL", "fatal");
+  for (const char* backend : {"gpu", "gpu-raster"}) {
+    expectRefused(run({"eval", asset, "--backend", backend, "-o", output() / "out.csv"}), 3, backend);
+    const Environment forced("FURROW_BACKEND", backend);
+    expectRefused(run({"eval", asset, "-o", output() / "out.csv"}), 3, backend);
+  }
+  const Outcome fallen = run({"eval", asset});
+  EXPECT_EQ(fallen.status, 0);
+  EXPECT_NE(fallen.err.find("using the tier cpu: "), std::string::npos) << fallen.err;
+}
+
+TEST_F(BadInput, TheEnvironmentForcesATier) {
+  const std::string asset = folder() / "sheet.furrow";
+  ASSERT_EQ(run({"cook", write("sheet.glb", sheet()), "-o", asset, "--quiet"}).status, 0);
+  const Environment nonsense("FURROW_BACKEND", "abacus");
+  expectRefused(run({"eval", asset, "-o", output() / "out.csv"}), 2, "auto, gpu, gpu-raster or cpu");
+  // An option says it louder.
+  EXPECT_EQ(run({"eval", asset, "--backend", "cpu"}).status, 0);
 }
 
 TEST_F(BadInput, AFaultStandsWithoutTheWarningsOfTheCook) {

@@ -162,14 +162,15 @@ TEST_P(ValidFile, CooksRestsAndEveryTierAgrees) {
   EXPECT_EQ(cooked.err, "");
   const std::vector<std::string> pose = midPose(report);
   // Where nothing moves, the tiers have nothing to differ in.
-  Outcome outcomes[4];
-  forEachInParallel(pose.empty() ? 2 : 4, [&](size_t i) {
+  Outcome outcomes[5];
+  forEachInParallel(pose.empty() ? 2 : 5, [&](size_t i) {
     outcomes[i] = i == 0   ? run({"check", asset()})
                   : i == 1 ? eval("cpu", {})
                   : i == 2 ? eval("cpu", pose)
-                           : eval("gpu", pose);
+                  : i == 3 ? eval("gpu", pose)
+                           : eval("gpu-raster", pose);
   });
-  const auto& [checked, rest, cpu, gpu] = outcomes;
+  const auto& [checked, rest, cpu, gpu, raster] = outcomes;
   EXPECT_EQ(checked.status, 0) << checked.err;
   ASSERT_EQ(rest.status, 0) << rest.err;
   EXPECT_EQ(rest.err, "");
@@ -191,12 +192,14 @@ TEST_P(ValidFile, CooksRestsAndEveryTierAgrees) {
   for (const Row& row : rows)
     for (const auto& [heading, value] : row) ASSERT_TRUE(std::isfinite(value)) << heading;
   for (const Row& row : rows) ASSERT_LE(std::abs(row.at(kWeight)), 1.0);
-  if (gpu.status == 3) GTEST_SKIP() << gpu.err;
-  ASSERT_EQ(gpu.status, 0) << gpu.err;
-  const std::vector<Row> gpu_rows = rowsOf(gpu.out);
-  ASSERT_EQ(gpu_rows.size(), rows.size());
-  for (size_t i = 0; i < rows.size(); ++i)
-    ASSERT_LE(std::abs(gpu_rows[i].at(kWeight) - rows[i].at(kWeight)), kTierTolerance) << "vertex " << i;
+  for (const Outcome& tier : {gpu, raster}) {
+    if (tier.status == 3) GTEST_SKIP() << tier.err;
+    ASSERT_EQ(tier.status, 0) << tier.err;
+    const std::vector<Row> tier_rows = rowsOf(tier.out);
+    ASSERT_EQ(tier_rows.size(), rows.size());
+    for (size_t i = 0; i < rows.size(); ++i)
+      ASSERT_LE(std::abs(tier_rows[i].at(kWeight) - rows[i].at(kWeight)), kTierTolerance) << "vertex " << i;
+  }
 }
 
 TEST_F(Corpus, BrokenFilesCookOrAreRefusedWithOneLine) {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "editor/preview/headless_context.h"
-#include "furrow/gl/executor.h"
+#include "furrow/gl/tier.h"
 #include "pipeline/error.h"
 
 namespace furrow::tests {

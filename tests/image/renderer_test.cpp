@@ -18,10 +18,10 @@
 namespace furrow::tests {
 namespace {
 
+using gl::Tier;
 using pipeline::Image;
 using preview::RenderOptions;
 using preview::Shading;
-using preview::Tier;
 using preview::View;
 
 constexpr uint32_t kSize = 192;
@@ -97,14 +97,16 @@ glm::vec3 pixel(const Image& image, float x, float y) {
 }
 
 TEST_F(RendererTest, TiersDrawTheSamePicture) {
-  if (!support_.gpu) GTEST_SKIP() << support_.reason;
   const BallAsset ball;
   preview::Renderer renderer(ball.view());
   for (Pose pose : {Pose{}, Pose{0.25f, 0.5f}, Pose{-0.3f, 0.0f}}) {
     RenderOptions options = optionsFor(View::kBeauty);
     const Image cpu = render(renderer, options, pose);
-    options.tier = Tier::kGpu;
-    EXPECT_LE(largestDifference(render(renderer, options, pose), cpu), 2.5f / 255.0f);
+    for (Tier tier : {Tier::kGpuRaster, Tier::kGpu}) {
+      if (tier == Tier::kGpu && !support_.gpu) continue;
+      options.tier = tier;
+      EXPECT_LE(largestDifference(render(renderer, options, pose), cpu), 2.5f / 255.0f);
+    }
   }
 }
 

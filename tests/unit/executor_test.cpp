@@ -1,21 +1,32 @@
+// Frame plans on OpenGL against the jobs. The raster form's tests run a second time where nothing newer than
+// OpenGL 3.3 is to be had (tests/CMakeLists.txt).
+
 #include "furrow/gl/executor.h"
+
+#include <epoxy/gl.h>
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <vector>
 
-#include "furrow/jobs.h"
+#include "sheets.h"
 #include "tests/image/ball_asset.h"
 #include "tests/image/gl_fixture.h"
 
 namespace furrow::tests {
 namespace {
 
-class ExecutorTest : public GlTest {
+class ExecutorTest : public GlTest, public testing::WithParamInterface<Form> {
  protected:
   void SetUp() override {
     GlTest::SetUp();
-    if (!IsSkipped() && !support_.gpu) GTEST_SKIP() << support_.reason;
+    if (IsSkipped()) return;
+    if (std::getenv("MESA_GL_VERSION_OVERRIDE")) {
+      ASSERT_EQ(epoxy_gl_version(), 33);
+    }
+    if (!(GetParam() == Form::kRaster ? support_.gpu_raster : support_.gpu)) GTEST_SKIP() << support_.reason;
     palette_[1].m[7] = -0.21f;
     palette_[1].m[1] = 0.1f;
     frame_.palette = palette_;
@@ -27,17 +38,6 @@ class ExecutorTest : public GlTest {
     std::vector<T> values(count);
     executor.read(buffer, std::as_writable_bytes(std::span(values)));
     return values;
-  }
-
-  void upload(gl::Executor& executor, const FramePlan& plan, const PlanOptions& options) {
-    std::vector<std::byte> bytes(plan.buffer(Buffer::kFrame).bytes);
-    writeFrameConstants(ball_.view(), options, frame_, bytes);
-    executor.upload(Buffer::kFrame, bytes);
-    if (options.posed_by_host) return;
-    bytes.resize(plan.buffer(Buffer::kMorphWeights).bytes);
-    writeMorphWeights(ball_.view(), frame_, bytes);
-    executor.upload(Buffer::kMorphWeights, bytes);
-    executor.upload(Buffer::kPalette, std::as_bytes(frame_.palette));
   }
 
   std::vector<Float3> posed() const {
@@ -79,14 +79,13 @@ class ExecutorTest : public GlTest {
   FrameInput frame_;
 };
 
-TEST_F(ExecutorTest, RunsTheWholeFrameAsTheJobsDo) {
+TEST_P(ExecutorTest, RunsTheWholeFrameAsTheJobsDo) {
   const AssetView& asset = ball_.view();
-  const PlanOptions options;
-  const FramePlan plan(asset, options);
+  const FramePlan plan(asset, {.form = GetParam()});
   gl::Executor executor;
   const Status status = executor.create(plan);
   ASSERT_TRUE(status.ok()) << status.message;
-  upload(executor, plan, options);
+  executor.upload(frame_);
   executor.run();
   const auto expected = posed();
   const auto positions = read<Float3>(executor, Buffer::kPositions, asset.vertexCount());
@@ -102,17 +101,15 @@ TEST_F(ExecutorTest, RunsTheWholeFrameAsTheJobsDo) {
   EXPECT_EQ(read<int16_t>(executor, Buffer::kWeights, words), weights);
 }
 
-TEST_F(ExecutorTest, TakesPosedVerticesFromTheHost) {
+TEST_P(ExecutorTest, TakesPosedVerticesFromTheHost) {
   const AssetView& asset = ball_.view();
-  PlanOptions options;
-  options.posed_by_host = true;
-  const FramePlan plan(asset, options);
+  const FramePlan plan(asset, {.form = GetParam(), .posed_by_host = true});
   gl::Executor executor;
   ASSERT_TRUE(executor.create(plan).ok());
   EXPECT_EQ(executor.handle(Buffer::kRestVertices), 0u);
   EXPECT_NE(executor.handle(Buffer::kPositions), 0u);
   const auto positions = posed();
-  upload(executor, plan, options);
+  executor.upload(frame_);
   executor.upload(Buffer::kPositions, std::as_bytes(std::span(positions)));
   executor.run();
   expectSameWeights(
@@ -120,17 +117,68 @@ TEST_F(ExecutorTest, TakesPosedVerticesFromTheHost) {
       cpuWeights(positions));
 }
 
-TEST_F(ExecutorTest, CanBeMadeAgain) {
-  const PlanOptions options;
-  const FramePlan plan(ball_.view(), options);
+// Layers that measure different triangles: "b" none where its direction is along the normal, "d" none at all.
+TEST_P(ExecutorTest, LayersOfAnyMeasureAndCoverage) {
+  Primitive bent = sheet(24);
+  for (glm::vec3& p : bent.positions) p.z = p.x < 0.5f ? 0.0f : (p.x - 0.5f) * (p.x - 0.5f);
+  std::vector<pipeline::LayerRecipe> layers;
+  const auto add = [&](const char* name, Measure measure, std::array<double, 3> axis) {
+    layers.push_back(axisLayer(axis));
+    layers.back().name = name;
+    layers.back().measure = measure;
+  };
+  add("a", Measure::kDirectional, {1, 0.2, 0});
+  add("b", Measure::kDirectional, {0, 0, 1});
+  add("c", Measure::kArea, {1, 0, 0});
+  add("d", Measure::kNone, {1, 0, 0});
+  add("e", Measure::kPrincipal, {1, 0, 0});
+  add("f", Measure::kDirectional, {0, 1, 0});
+  add("g", Measure::kArea, {0, 1, 0});
+  layers[1].response = {Curve::kLarsson, 0.8f, 2.0f, 1.0f, 3.0f};
+  layers[2].response.curve = Curve::kOat;
+  const Asset asset = cookAsset(
+      sceneOf(
+          std::move(bent),
+          [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y + 0.2 * p.x * p.y, 0.4 * p.z + 0.1 * p.y); }),
+      recipeOf(layers));
+  const AssetView& view = asset.view();
+  Affine pose;
+  pose.m[0] = 0.8f, pose.m[1] = 0.6f, pose.m[4] = -0.6f, pose.m[5] = 0.8f, pose.m[3] = 3.5f;
+  const Frame staged = evaluate(view, {0.7f}, pose, 1.25f, 0.125f);
+
+  const FramePlan plan(view, {.form = GetParam(), .normals = false});
+  gl::Executor executor;
+  const Status status = executor.create(plan);
+  ASSERT_TRUE(status.ok()) << status.message;
+  const std::vector<Affine> palette(view.palette.size(), pose);
+  const std::vector<float> morphs = {0.7f}, regions(view.layerCount(), 0.125f);
+  executor.upload({palette, morphs, regions, {}, 1.25f});
+  executor.run();
+  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  const auto q = read<float>(executor, Buffer::kPointQ, size_t{view.pointCount()} * view.layerCount());
+  for (uint32_t l = 0; l < view.layerCount(); ++l)
+    EXPECT_EQ(std::memcmp(&q[size_t{l} * view.pointCount()], staged.q[l].data(),
+                          staged.q[l].size() * sizeof(float)),
+              0)
+        << view.layers[l].name;
+  expectSameWeights(
+      read<int16_t>(executor, Buffer::kWeights, size_t{view.vertexCount()} * view.weightStride()),
+      staged.weights);
+}
+
+TEST_P(ExecutorTest, CanBeMadeAgain) {
+  const FramePlan plan(ball_.view(), {.form = GetParam()});
   gl::Executor executor;
   EXPECT_EQ(executor.handle(Buffer::kWeights), 0u);
   ASSERT_TRUE(executor.create(plan).ok());
   ASSERT_TRUE(executor.create(plan).ok());
-  upload(executor, plan, options);
+  executor.upload(frame_);
   executor.run();
   EXPECT_NE(executor.handle(Buffer::kWeights), 0u);
 }
+
+INSTANTIATE_TEST_SUITE_P(Staged, ExecutorTest, testing::Values(Form::kStaged));
+INSTANTIATE_TEST_SUITE_P(Raster, ExecutorTest, testing::Values(Form::kRaster));
 
 }  // namespace
 }  // namespace furrow::tests

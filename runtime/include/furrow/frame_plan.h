@@ -1,9 +1,10 @@
 #pragma once
 
-// The gpu tier: the frame as a list of compute dispatches that a host records in its own graphics API.
-// furrow::gl is one executor.
+// The frame on a GPU, as a list of items that a host records in its own graphics API. furrow::gl is one
+// executor.
 //
-// Buffers are 32-bit words. Shader source is GLSL 4.30 made of text the runtime embeds (shaders/).
+// Buffers are 32-bit words. Shader source is text that the runtime embeds (shaders/): GLSL 4.30 for compute,
+// GLSL 3.30 for the raster form.
 
 #include <span>
 #include <vector>
@@ -13,18 +14,26 @@
 
 namespace furrow {
 
+// How the frame is computed; every form gives the same weights.
+enum class Form : uint8_t {
+  kStaged = 0,  // compute: a dispatch a stage, over vertices, triangles, points and vertices
+  kRaster,  // OpenGL 3.3 without compute [Oat]: vertices posed and answered by transform feedback, q x angle
+            // added up by blending points into a float target
+};
+
 // Buffers of the plan. A host makes one of each size > 0 per asset (kPerAsset) or per instance
 // (kPerInstance).
 enum class Buffer : uint8_t {
-  // Per asset, filled once from ResourceDesc::initial.
+  // Per asset, filled once from BufferDesc::initial.
   kRestVertices = 0,  // kRestVertexWords (layout.h) a vertex
   kInfluences,        // a word each pair: joint | weight << 16
   kMorphEntries,      // AssetView::morph_entries
-  kSurfaceIndices,    // AssetView::surface_indices
+  kSurfaceIndices,    // AssetView::surface_indices; in the raster form, of the triangles of each slice
   kCoefficients,      // all layers, one after the other
   kRingOffsets,
   kRingTriangles,
   kRingWeights,  // uint16 pairs
+  kMeasured,     // raster form: the records of each slice's triangles (layout.h)
   kVertexPoint,
   kBias,  // snorm16 pairs: weightStride a vertex; size 0 where no layer has a bias
   // Per instance, written by the host every frame.
@@ -50,42 +59,67 @@ struct BufferDesc {
   std::span<const std::byte> initial;  // empty: the host or the GPU fills it
 };
 
-enum class Shader : uint8_t { kDeform = 0, kCompress, kSmooth, kRespond, kCount };
+// The raster form's target: an array texture of RGBA32F, nearest filtering, one level. slices 0: none.
+struct SumsDesc {
+  uint32_t width = 0, height = 0, slices = 0;
+};
+
+enum class Shader : uint8_t {
+  kDeform = 0,
+  kCompress,
+  kSmooth,
+  kRespond,
+  kRasterDeform,
+  kRasterMeasure,
+  kRasterRespond,
+  kCount
+};
+
+// How an item sees a buffer.
+enum class Access : uint8_t {
+  kUniform,  // std140 uniform buffer, at `slot` of these
+  kStorage,  // storage buffer, at `slot` of these
+  kFloats,   // buffer texture of R32F, at texture unit `slot`
+  kWords,    // buffer texture of R32UI, at texture unit `slot`
+  kSums,     // not a buffer: the sums as an array texture, at texture unit `slot`
+  kIndices,  // index buffer of 32-bit indices
+  kCapture,  // transform feedback buffer `slot`
+};
 
 struct Binding {
   uint32_t slot;
-  Buffer buffer;
+  Buffer buffer;  // kCount for kSums
+  Access access;
+  const char* name;  // of the uniform, sampler or block in the shader; null for kIndices and kCapture
 };
 
-// Run `shader` with groups[0] x groups[1] work-groups, then make its writes visible to the next item (a
-// storage barrier). Every binding is a storage buffer but Buffer::kFrame, which is a std140 uniform buffer.
-struct Dispatch {
+enum class ItemKind : uint8_t {
+  kDispatch,  // run `shader` with groups[0] x groups[1] work-groups
+  kDraw,      // draw `count` points numbered from 0 with the rasteriser off, capturing `captured`; or, where
+              // there are indices, `count` corners of triangles from index `first`, without depth, blended
+              // ONE, ONE into slice `slice` of the sums, which the shader's uniform `item` names too
+  kClear,     // set slice `slice` of the sums to 0
+  kBarrier,   // what was written before is read after
+};
+
+struct Item {
+  ItemKind kind;
   const char* label;
-  Shader shader;
-  uint32_t groups[2];
-  std::span<const Binding> bindings;
+  Shader shader = Shader::kCount;
+  uint32_t groups[2] = {};
+  uint32_t first = 0, count = 0;
+  uint32_t slice = 0;
+  std::span<const Binding> bindings = {};
+  // What transform feedback captures: one output a kCapture binding, or all outputs side by side into the
+  // only one.
+  std::span<const char* const> captured = {};
 };
 
 struct PlanOptions {
+  Form form = Form::kStaged;
   bool posed_by_host = false;  // the host fills kPositions; the plan has no deform item
   bool normals = true;         // pose normals and tangents too
 };
-
-class FramePlan {
- public:
-  FramePlan(const AssetView& asset, const PlanOptions& options);
-
-  const BufferDesc& buffer(Buffer id) const { return buffers_[static_cast<size_t>(id)]; }
-  std::span<const Dispatch> dispatches() const { return dispatches_; }
-
- private:
-  BufferDesc buffers_[static_cast<size_t>(Buffer::kCount)] = {};
-  std::vector<Dispatch> dispatches_;
-  std::vector<std::vector<uint32_t>> words_;  // what `initial` points into where the asset has no such array
-};
-
-// Complete GLSL source of a shader, `#version` first.
-const char* shaderSource(Shader shader);
 
 // Everything that changes from frame to frame.
 struct FrameInput {
@@ -96,11 +130,51 @@ struct FrameInput {
   float scale = 1.0f;                     // uniform scale of the instance that the palette contains, > 0
 };
 
-// The bytes of Buffer::kFrame for one frame; `out` holds the buffer's size.
-void writeFrameConstants(const AssetView& asset, const PlanOptions& options, const FrameInput& input,
-                         std::span<std::byte> out);
+class FramePlan {
+ public:
+  // `asset` must outlive the plan. Allocates; nothing else here does.
+  FramePlan(const AssetView& asset, const PlanOptions& options);
 
-// The bytes of Buffer::kMorphWeights: weight * position_step, weight * normal_step a morph.
-void writeMorphWeights(const AssetView& asset, const FrameInput& input, std::span<std::byte> out);
+  const AssetView& asset() const { return *asset_; }
+  const PlanOptions& options() const { return options_; }
+  const BufferDesc& buffer(Buffer id) const { return buffers_[static_cast<size_t>(id)]; }
+  const SumsDesc& sums() const { return sums_; }
+  std::span<const Item> items() const { return items_; }
+
+  // The bytes of kFrame for one frame; `out` holds the buffer's size.
+  void writeFrame(const FrameInput& input, std::span<std::byte> out) const;
+  // The bytes of kMorphWeights: weight * position_step, weight * normal_step a morph.
+  void writeMorphWeights(const FrameInput& input, std::span<std::byte> out) const;
+
+  // A slice of the sums: up to three layers that measure the same triangles.
+  struct Slice {
+    uint32_t layers[3];  // kAbsent: none
+    uint32_t first_word, record_words;
+  };
+  std::span<const Slice> slices() const { return slices_; }
+
+ private:
+  BufferDesc& add(Buffer id, const char* name, Lifetime lifetime, uint64_t bytes);
+  void fill(Buffer id, const char* name, std::span<const std::byte> initial);
+  void fillWords(Buffer id, const char* name, std::vector<uint32_t> words);
+  void addCommon();
+  void addStaged();
+  void addRaster();
+  void addSlices();
+
+  const AssetView* asset_;
+  PlanOptions options_;
+  BufferDesc buffers_[static_cast<size_t>(Buffer::kCount)] = {};
+  SumsDesc sums_;
+  std::vector<Slice> slices_;
+  std::vector<Item> items_;
+  std::vector<std::vector<uint32_t>> words_;  // what `initial` points into where the asset has no such array
+};
+
+// Complete source of each stage, `#version` first; null: no such stage.
+struct ShaderSource {
+  const char *compute = nullptr, *vertex = nullptr, *geometry = nullptr, *fragment = nullptr;
+};
+const ShaderSource& shaderSource(Shader shader);
 
 }  // namespace furrow

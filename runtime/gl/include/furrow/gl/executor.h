@@ -1,7 +1,7 @@
 #pragma once
 
-// Runs a frame plan on OpenGL 4.3 or newer. All calls need the same current context; the functions are found
-// through epoxy.
+// Runs a frame plan on OpenGL: 4.3 or newer for the compute forms, 3.3 for the raster form. All calls need
+// the same current context; the functions are found through epoxy.
 
 #include <memory>
 #include <span>
@@ -9,14 +9,6 @@
 #include "furrow/frame_plan.h"
 
 namespace furrow::gl {
-
-// Whether the current context can run the gpu tier, and if not why (for the log and for the error of a forced
-// tier).
-struct Support {
-  bool gpu = false;
-  char reason[160] = {};  // "llvmpipe (LLVM 15), OpenGL 4.5" or what is missing
-};
-Support querySupport();
 
 class Executor {
  public:
@@ -27,10 +19,17 @@ class Executor {
   // the executor.
   Status create(const FramePlan& plan);
 
+  // Uploads kFrame and, unless posed by the host, kPalette and kMorphWeights. `input` must fit the asset.
+  void upload(const FrameInput& input);
   void upload(Buffer buffer, std::span<const std::byte> bytes);  // at most the buffer's size
-  void run();                                                    // records every dispatch; does not wait
-  void read(Buffer buffer, std::span<std::byte> bytes) const;    // waits
-  uint32_t handle(Buffer buffer) const;                          // OpenGL name, 0 if unused
+
+  // Records every item; does not wait. Leaves no program, vertex array and framebuffer bound; the raster form
+  // also leaves blending and the rasteriser's discarding off and the viewport changed.
+  void run();
+
+  // Waits. In the raster form kPointQ is divided from the sums here.
+  void read(Buffer buffer, std::span<std::byte> bytes) const;
+  uint32_t handle(Buffer buffer) const;  // OpenGL name, 0 if unused
 
  private:
   struct State;

@@ -1,0 +1,3 @@
+int signed24(uint word) { return int(word << 8) >> 8; }
+int signed16(uint word) { return int(word << 16) >> 16; }
+int signed8(uint word) { return int(word << 24) >> 24; }
