@@ -70,7 +70,7 @@ class Cook {
     }
     stage("baking layers");
     const MaskImages masks = maskImages();
-    const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, recipe_file_};
+    const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, options_.images, recipe_file_};
     std::vector<BakedLayer> layers;
     for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
     resolveNames();
@@ -205,11 +205,16 @@ class Cook {
 
   MaskImages maskImages() {
     std::set<std::filesystem::path> named;
-    for (const LayerRecipe& layer : recipe_.layers)
+    for (const LayerRecipe& layer : recipe_.layers) {
       if (const auto* mask = std::get_if<MaskTexture>(&layer.mask)) named.insert(mask->texture);
+      if (layer.bias && !layer.bias->texture.empty()) named.insert(layer.bias->texture);
+    }
+    dependencies_.insert(dependencies_.end(), named.begin(), named.end());
+    std::erase_if(named, [&](const auto& file) { return options_.images.contains(file); });
     const std::vector<std::filesystem::path> files(named.begin(), named.end());
-    dependencies_.insert(dependencies_.end(), files.begin(), files.end());
-    return readMasks(files, options_.threads);
+    MaskImages images = readMasks(files, options_.threads);
+    for (const auto& [file, image] : options_.images) images.emplace(file, *image);
+    return images;
   }
 
   // Root-space rest positions of all parts in source order.

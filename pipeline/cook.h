@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/cook_report.h"
+#include "pipeline/maps/image.h"
 #include "pipeline/pack/geometry_codec.h"
 #include "pipeline/recipe.h"
 #include "pipeline/scene/source_scene.h"
@@ -16,7 +17,9 @@ namespace furrow::pipeline {
 struct CookOptions {
   GeometryCodec geometry = GeometryCodec::kDraco;
   uint32_t threads = 2;
+  // Called before every stage; an exception of its own ends the cook.
   std::function<void(const char* stage)> progress = [](const char*) {};
+  Images images = {};  // masks, biases and directions that are not read from their files
 };
 
 struct Cooked {

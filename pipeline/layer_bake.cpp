@@ -172,16 +172,21 @@ class LayerBake {
          "give \"compress\" a \"normal\" or \"height\", or choose another direction");
   }
 
-  DirectionField directionsFromImage(const std::filesystem::path& file, ImageKind kind, Files& files,
-                                     Green green = Green::kOpenGl) const {
+  void requireUvs(const std::string& what) const {
     bool has_uvs = false;
     for (size_t i = 0; i < covered_part_.size(); ++i)
       has_uvs |= covered_part_[i] && in_.surface.parts[i].has_uvs;
-    if (!has_uvs)
-      fail("its direction is read from an image, but its meshes have no UVs",
-           "unwrap them or choose another direction");
+    if (!has_uvs) fail(what + ", but its meshes have no UVs", "unwrap them, or use a vertex attribute");
+  }
+
+  DirectionField directionsFromImage(const std::filesystem::path& file, ImageKind kind, Files& files,
+                                     Green green = Green::kOpenGl) const {
+    requireUvs("its direction is read from an image");
     files.push_back(file);
-    const Image image = kind == ImageKind::kSlopes ? readNormals(file, green) : readImage(file);
+    const auto given = in_.images.find(file);
+    const Image image = kind == ImageKind::kSlopes  ? readNormals(file, green)
+                        : given == in_.images.end() ? readImage(file)
+                                                    : toFloats(*given->second);
     if (image.channels < leastChannels(kind))
       throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels",
                   "use an image with " + std::to_string(leastChannels(kind)) +
@@ -299,14 +304,35 @@ class LayerBake {
   void bias() {
     if (!recipe_.bias) return;
     const auto neutral = static_cast<float>(recipe_.bias->neutral);
-    std::vector<float> values;
-    for (const glm::vec4& value :
-         attribute(recipe_.bias->attribute, recipe_.bias->channel + 1, glm::vec4(neutral))) {
-      const float c = value[static_cast<int>(recipe_.bias->channel)];
-      values.push_back(
-          std::abs(c - neutral) <= 1.0f / 255.0f ? 0.0f : std::clamp(2.0f * (c - neutral), -1.0f, 1.0f));
-    }
+    std::vector<float> values = biasChannel(*recipe_.bias, neutral);
+    for (float& c : values)
+      c = std::abs(c - neutral) <= 1.0f / 255.0f ? 0.0f : std::clamp(2.0f * (c - neutral), -1.0f, 1.0f);
     out_.bias = pointMean(values);
+  }
+
+  // Of every vertex; `neutral` where the layer does not reach.
+  std::vector<float> biasChannel(const Bias& bias, float neutral) const {
+    std::vector<float> values(in_.surface.positions.size(), neutral);
+    if (bias.texture.empty()) {
+      const std::vector<glm::vec4> all = attribute(bias.attribute, bias.channel + 1, glm::vec4(neutral));
+      for (size_t v = 0; v < values.size(); ++v) values[v] = all[v][static_cast<int>(bias.channel)];
+      return values;
+    }
+    const ByteImage& image = in_.masks.at(bias.texture);
+    if (bias.channel >= image.channels)
+      throw Error(Exit::kBadData, bias.texture.string(),
+                  "the bias of layer \"" + recipe_.name + "\" is channel " +
+                      std::string(1, "rgba"[bias.channel]) + ", and the image has " +
+                      std::to_string(image.channels),
+                  "choose another channel");
+    requireUvs("its bias is read from an image");
+    for (size_t i = 0; i < in_.surface.parts.size(); ++i) {
+      const SurfacePart& span = in_.surface.parts[i];
+      if (!covered_part_[i] || !span.has_uvs) continue;
+      for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
+        values[v] = sample(image, in_.surface.uvs[v], bias.channel);
+    }
+    return values;
   }
 
   void measure() {

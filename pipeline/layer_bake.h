@@ -29,7 +29,8 @@ struct LayerInput {
   const Surface& surface;
   const std::vector<uint32_t>& source_vertex;
   const Squeeze& squeeze;
-  const MaskImages& masks;  // of all layers that name one
+  const MaskImages& masks;  // and biases, of all layers that name one
+  const Images& images;     // that stand in for files of directions
   std::string recipe_file;  // for messages
 };
 

@@ -246,7 +246,8 @@ class Reader {
     if (j.contains("mask")) layer.mask = mask(j["mask"]);
     if (j.contains("bias")) {
       const json& bias = j["bias"];
-      layer.bias = Bias{bias["attribute"].get<std::string>(), channelOf(bias), bias.value("neutral", 0.5)};
+      layer.bias = Bias{bias.value("attribute", std::string()), channelOf(bias), bias.value("neutral", 0.5)};
+      if (bias.contains("texture")) layer.bias->texture = path(bias["texture"]);
     }
     if (j.contains("compress")) {
       layer.compress = map(j["compress"]);

@@ -64,9 +64,10 @@ struct MaskNone {};  // the whole surface
 using Mask = std::variant<MaskAuto, MaskNone, MaskTexture, MaskAttribute>;
 
 struct Bias {
-  std::string attribute;
+  std::string attribute;  // a vertex attribute
   uint32_t channel = 0;
   double neutral = 0.5;
+  std::filesystem::path texture = {};  // if not empty, an image (absolute) in place of the attribute
 };
 
 struct MapNone {};

@@ -127,15 +127,15 @@ Shape describeMask() {
 }
 
 Shape describeMap() {
-  Shape synthesis = object(
-      {{"preset", word({"skin", "skin_fine", "cloth", "cloth_puckers"}),
-        "Narrow valleys, fine lines, round folds or short bulges; default: skin or cloth, worked "
-        "out from the rig."},
-       {"spacing", above(0, kLength),
-        "Ridge to ridge, in the scene's unit; default: worked out from the surface."},
-       {"depth", above(0, kLength),
-        "Valley to ridge, in the scene's unit; default: worked out from the spacing."},
-       {"seed", integer(0, 4294967295.0), "Another number gives another pattern; default 1."}});
+  Shape synthesis =
+      object({{"preset", word({"skin", "skin_fine", "cloth", "cloth_puckers"}),
+               "Narrow valleys, fine lines, round folds or short bulges; default: skin or cloth, worked "
+               "out from the rig."},
+              {"spacing", above(0, kLength),
+               "Ridge to ridge, in the scene's unit; default: worked out from the surface."},
+              {"depth", above(0, kLength),
+               "Valley to ridge, in the scene's unit; default: worked out from the spacing."},
+              {"seed", integer(0, 4294967295.0), "Another number gives another pattern; default 1."}});
   return either(
       {word({"none"}),
        forms(
@@ -173,9 +173,11 @@ Shape describeLayer() {
         "How far the layer reaches; default \"auto\": the surface, faded to where the animation squeezes "
         "it."},
        {"bias",
-        object({{"attribute", text(), "A vertex attribute, such as COLOR_0.", true},
-                {"channel", channel(), "Default r."},
-                {"neutral", number(0, 1), "The value that leaves the weight alone; default 0.5."}}),
+        forms({"texture", "attribute"},
+              {{"texture", file(), "An image, read at the vertices."},
+               {"attribute", text(), "A vertex attribute, such as COLOR_0."},
+               {"channel", channel(), "Of the image or attribute; default r."},
+               {"neutral", number(0, 1), "The value that leaves the weight alone; default 0.5."}}),
         "Painted offset of the weight: wrinkles at rest."},
        {"compress", describeMap(), "The map where the surface is squeezed; default {\"synthesize\": {}}."},
        {"stretch", describeMap(), "The map where it is stretched; default \"none\"."},

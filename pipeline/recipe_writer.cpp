@@ -81,6 +81,17 @@ class Writer {
     return std::holds_alternative<MaskNone>(mask) ? "none" : "auto";
   }
 
+  json bias(const Bias& bias) const {
+    json out;
+    if (bias.texture.empty())
+      out["attribute"] = bias.attribute;
+    else
+      out["texture"] = path(bias.texture);
+    out["channel"] = channel(bias.channel);
+    out["neutral"] = bias.neutral;
+    return out;
+  }
+
   static const char* preset(Preset preset) {
     constexpr const char* kNames[] = {"skin", "skin_fine", "cloth", "cloth_puckers"};
     return kNames[static_cast<size_t>(preset)];
@@ -117,10 +128,7 @@ class Writer {
     out["measure"] = measure(layer.measure);
     if (layer.response.curve == Curve::kLarsson) out["response"] = response(layer);
     out["mask"] = mask(layer.mask);
-    if (layer.bias)
-      out["bias"] = {{"attribute", layer.bias->attribute},
-                     {"channel", channel(layer.bias->channel)},
-                     {"neutral", layer.bias->neutral}};
+    if (layer.bias) out["bias"] = bias(*layer.bias);
     out["compress"] = map(layer.compress, layer.compress_finish);
     out["stretch"] = map(layer.stretch, layer.stretch_finish);
     if (!layer.driver_table.empty()) out["drivers"] = layer.driver_table;

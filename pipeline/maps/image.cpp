@@ -84,6 +84,13 @@ ByteImage readByteImage(const std::filesystem::path& file) {
   return read<ByteImage>(file);
 }
 
+Image toFloats(const ByteImage& image) {
+  Image floats{image.width, image.height, image.channels, std::vector<float>(image.pixels.size())};
+  std::transform(image.pixels.begin(), image.pixels.end(), floats.pixels.begin(),
+                 [](uint8_t v) { return static_cast<float>(v) / 255.0f; });
+  return floats;
+}
+
 ByteImage toBytes(const Image& image) {
   ByteImage bytes{image.width, image.height, image.channels, std::vector<uint8_t>(image.pixels.size())};
   std::transform(image.pixels.begin(), image.pixels.end(), bytes.pixels.begin(), [](float v) {

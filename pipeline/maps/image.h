@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec2.hpp>
+#include <map>
+#include <memory>
 #include <vector>
 
 namespace furrow::pipeline {
@@ -33,12 +35,18 @@ struct ByteImage {
   }
 };
 
+// Images that stand in for the files of these absolute paths, such as painted ones that are not saved yet.
+using Images = std::map<std::filesystem::path, std::shared_ptr<const ByteImage>>;
+
 // At most 16384 texels a side and 4 channels. Throws Error (kBadData: it is not such an image, or damaged;
 // names the file and the reason).
 Image readImage(const std::filesystem::path& file);
 
 // The same in bytes: 8-bit files to the bit, others rounded.
 ByteImage readByteImage(const std::filesystem::path& file);
+
+// The same in floats.
+Image toFloats(const ByteImage& image);
 
 // Values cut to [0, 1] and rounded to the nearest of 256.
 ByteImage toBytes(const Image& image);

@@ -7,6 +7,7 @@
 
 #include "furrow/place_hash.h"
 #include "pipeline/bake/response_fit.h"
+#include "pipeline/error.h"
 #include "pipeline/import/import.h"
 #include "pipeline/pack/rig_section.h"
 #include "pipeline/scene/posing.h"
@@ -182,6 +183,35 @@ TEST(KnownAnswers, VertexColorsFollowTheirVerticesUnlessALayerReadsThem) {
   EXPECT_TRUE(cookAsset(sceneOf(primitive, same), recipeOf({layer})).view().colors.empty());
   primitive.attributes.clear();
   EXPECT_TRUE(cookAsset(sceneOf(primitive, same), recipeOf({axisLayer({1, 0, 0})})).view().colors.empty());
+}
+
+TEST(KnownAnswers, ABiasImageIsReadAtTheVertices) {
+  // 4 x 4 texels, the left half neutral but for half a step of 8 bits, the right half at 0.9 in green.
+  const auto image =
+      std::make_shared<pipeline::ByteImage>(pipeline::ByteImage{4, 4, 2, std::vector<uint8_t>(32)});
+  for (size_t texel = 0; texel < 16; ++texel) image->pixels[2 * texel + 1] = texel % 4 < 2 ? 128 : 230;
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.bias = pipeline::Bias{{}, 1, 0.5, "/nowhere/bias.png"};
+  pipeline::CookOptions options;
+  options.images["/nowhere/bias.png"] = image;
+  SourceScene scene = sceneOf(sheet(8), [](glm::dvec3 p) { return p; });
+  Asset asset;
+  ASSERT_TRUE(asset.load(pipeline::cook(scene, recipeOf({layer}), options).bytes).ok());
+  const Frame frame = evaluate(asset.view(), {0.0f});
+  for (size_t v = 0; v < frame.weight.size(); ++v) {
+    const double x = double{scene.primitives[0].positions[v].x};
+    const double expected = x == 0.5 ? (230.0 + 128.0) / 255.0 - 1.0 : 2.0 * (230.0 / 255.0 - 0.5);
+    if (x > 0.2 && x < 0.3) {
+      EXPECT_EQ(frame.weight[v], 0.0);
+    } else if (x == 0.5 || (x > 0.6 && x < 0.9)) {
+      EXPECT_NEAR(frame.weight[v], expected, 1e-4);
+    }
+  }
+  layer.bias->channel = 2;
+  EXPECT_THROW(pipeline::cook(scene, recipeOf({layer}), options), pipeline::Error);
+  layer.bias->channel = 1;
+  scene.primitives[0].uvs.clear();
+  EXPECT_THROW(pipeline::cook(scene, recipeOf({layer}), options), pipeline::Error);
 }
 
 TEST(KnownAnswers, SplittingATriangleOfAFanChangesNothing) {

@@ -74,7 +74,7 @@ struct Sheet {
   }
 
   BakedTextureSet bake(uint32_t threads = 2) {
-    auto sets = bakeMaps({scene, surface, source_vertex, squeeze, masks, "recipe.json"}, recipe, layers,
+    auto sets = bakeMaps({scene, surface, source_vertex, squeeze, masks, {}, "recipe.json"}, recipe, layers,
                          threads, dependencies);
     EXPECT_EQ(sets.size(), 1u);
     return std::move(sets.at(0));

@@ -41,7 +41,7 @@ constexpr const char* kEverything = R"({
       "compress": { "height": "map.png", "depth": 0.25, "light": [0, 6, 8] },
       "stretch": "none" },
     { "name": "neck", "direction": { "animation": {} }, "mask": "none", "response": { "fit": 0.75 } },
-    { "name": "chin", "direction": { "texture": "map.png" } },
+    { "name": "chin", "direction": { "texture": "map.png" }, "bias": { "texture": "dark.png", "neutral": 0.75 } },
     { "name": "ear", "direction": "map", "compress": { "normal": "map.png" } },
     { "name": "brow", "direction": { "guides": [[[0, 1, 2], [3, 4, 5], [6, 7, 8]], [[1, 1, 1], [2, 2, 2]]] } },
     { "name": "lip", "direction": { "guides": { "lines": "Creases" } } }
@@ -343,7 +343,7 @@ TEST_F(RecipeTest, WrongTypesAreNamed) {
   EXPECT_EQ(layerError(R"("bias": {"attribute": "COLOR_0", "channel": "x"})"),
             "layers[0].bias.channel: is \"x\": give \"r\", \"g\", \"b\" or \"a\"");
   EXPECT_EQ(layerError(R"("bias": {})"),
-            "layers[0].bias.attribute: is missing: give a text that is not empty");
+            "layers[0].bias: says nothing: give an object with \"texture\" or \"attribute\"");
   EXPECT_EQ(layerError(R"("drivers": [{"gain": 1}])"),
             "layers[0].drivers[0].morph: is missing: give a text that is not empty");
 }
