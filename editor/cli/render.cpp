@@ -1,9 +1,10 @@
 #include <charconv>
 #include <map>
+#include <thread>
 
 #include "editor/cli/commands.h"
 #include "editor/cli/pose_options.h"
-#include "editor/preview/renderer.h"
+#include "editor/preview/software_picture.h"
 #include "pipeline/error.h"
 
 namespace furrow::cli {
@@ -49,9 +50,16 @@ void run(const Options& options) {
   preview::RenderOptions render;
   parseSize(options.size, render.width, render.height);
   options.pose.validate();
-  auto context = std::make_unique<preview::HeadlessContext>();
+  std::unique_ptr<preview::HeadlessContext> context;
   const gl::TierChoice choice = chooseTier(options.pose.backend, context);
   render.tier = choice.tier;
+  render.shading = !options.shading.empty()        ? kShadings.at(options.shading)
+                   : render.tier == gl::Tier::kCpu ? preview::Shading::kAlpha
+                                                   : preview::Shading::kInterpolated;
+  render.view = kViews.at(options.view);
+  // The cpu tier draws without OpenGL what can be drawn without it.
+  const bool in_software = render.tier == gl::Tier::kCpu && !preview::whyNotInSoftware(render);
+  if (!in_software && !context) context = std::make_unique<preview::HeadlessContext>();
   const OpenedAsset opened = openAsset(options.asset);
   const AssetView& asset = opened.asset.view();
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
@@ -62,10 +70,6 @@ void run(const Options& options) {
       throw Error(Exit::kBadUsage, options.asset, "it has no layer \"" + options.layer + "\"",
                   "see 'furrow info'");
   }
-  render.shading = !options.shading.empty()        ? kShadings.at(options.shading)
-                   : render.tier == gl::Tier::kCpu ? preview::Shading::kAlpha
-                                                   : preview::Shading::kInterpolated;
-  render.view = kViews.at(options.view);
 
   std::vector<Float3> posed(asset.vertexCount());
   const DeformJob deform{&asset, frame.palette, frame.morph_weights, posed, {}, {}};
@@ -80,8 +84,10 @@ void run(const Options& options) {
     render.camera.target = {static_cast<float>(options.target[0] - frame.origin[0]),
                             static_cast<float>(options.target[1] - frame.origin[1]),
                             static_cast<float>(options.target[2] - frame.origin[2])};
-  preview::Renderer renderer(asset);
-  pipeline::writeImage(options.out, renderer.render(frame.input, render));
+  pipeline::writeImage(
+      options.out,
+      in_software ? preview::softwarePicture(asset, frame.input, render, std::thread::hardware_concurrency())
+                  : preview::Renderer(asset).render(frame.input, render));
   printTier(options.pose.backend, choice);
   printWarnings(options.asset, opened.warnings);
 }

@@ -90,8 +90,8 @@ HeadlessContext::HeadlessContext() : state_(std::make_unique<State>()) {
   }
   throw pipeline::Error(
       pipeline::Exit::kEnvironment, "OpenGL", "no context without a window: " + why,
-      "install a driver with EGL (for a machine without a GPU Mesa's: libegl1 libgl1-mesa-dri), or use "
-      "what needs no picture");
+      "install a driver with EGL (Mesa's libegl1 and libgl1-mesa-dri serve machines without a GPU), or use "
+      "--backend cpu with --shading alpha");
 }
 
 // The display stays open: it is shared by the whole process, and closing it unloads the driver under other

@@ -7,17 +7,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include "editor/preview/cpu_frame.h"
 #include "editor/preview/gl_objects.h"
-#include "editor/preview/shaders/scene.h"
+#include "editor/preview/scene_setup.h"
 #include "editor/preview/view_values.h"
 #include "furrow/gl/executor.h"
-#include "furrow/jobs.h"
 #include "pipeline/error.h"
 #include "preview_shaders.h"
 
@@ -35,10 +34,7 @@ constexpr GLuint kVectors = kMaxLayers / 4;  // weights and masks go in fours
 // Texture units.
 constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3;
 
-constexpr GLsizei kShadowSize = 1024;
 constexpr float kAnisotropy = 4.0f;
-constexpr float kStrokeLength = 0.9f;    // of their spacing
-constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
 
 static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
 static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
@@ -108,50 +104,24 @@ struct PosedBuffers {
   uint32_t positions, normals, tangents, weights;
 };
 
-class CpuFrame {
+// The cpu tier's frame in buffers.
+class UploadedFrame {
  public:
-  explicit CpuFrame(const AssetView& asset)
-      : asset_(asset),
-        positions_(asset.vertexCount()),
-        normals_(asset.vertexCount()),
-        tangents_(asset.vertexCount()),
-        weights_(size_t{asset.vertexCount()} * asset.weightStride()),
-        triangle_q_(asset.triangleCount()),
-        point_q_(asset.pointCount()) {
+  explicit UploadedFrame(const AssetView& asset) : frame_(asset) {
     for (GlObject& buffer : buffers_) buffer = GlObject(GlKind::kBuffer);
   }
 
   PosedBuffers run(const FrameInput& input) {
-    runJob(DeformJob{&asset_, input.palette, input.morph_weights, positions_, normals_, tangents_},
-           asset_.vertexCount());
-    for (uint32_t layer = 0; layer < asset_.layerCount(); ++layer) {
-      const Response& response =
-          input.responses.empty() ? asset_.layers[layer].response : input.responses[layer];
-      const float region = input.region_weights.empty() ? 0.0f : input.region_weights[layer];
-      runJob(CompressJob{&asset_, layer, positions_, input.scale, triangle_q_}, asset_.triangleCount());
-      runJob(SmoothJob{&asset_, triangle_q_, point_q_}, asset_.pointCount());
-      runJob(RespondJob{&asset_, layer, response, region, point_q_, weights_}, asset_.vertexCount());
-    }
-    refill(buffers_[0], GL_ARRAY_BUFFER, std::span<const Float3>(positions_));
-    refill(buffers_[1], GL_ARRAY_BUFFER, std::span<const Float3>(normals_));
-    refill(buffers_[2], GL_ARRAY_BUFFER, std::span<const Float4>(tangents_));
-    refill(buffers_[3], GL_ARRAY_BUFFER, std::span<const int16_t>(weights_));
+    frame_.run(input);
+    refill(buffers_[0], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.positions));
+    refill(buffers_[1], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.normals));
+    refill(buffers_[2], GL_ARRAY_BUFFER, std::span<const Float4>(frame_.tangents));
+    refill(buffers_[3], GL_ARRAY_BUFFER, std::span<const int16_t>(frame_.weights));
     return {buffers_[0], buffers_[1], buffers_[2], buffers_[3]};
   }
 
  private:
-  template <typename Job>
-  static void runJob(const Job& job, uint32_t items) {
-    if (const Status status = job.validate(); !status.ok())
-      throw Error(Exit::kBadUsage, "frame", status.message, "pass an input made for this asset");
-    job.run(0, items);
-  }
-
-  const AssetView& asset_;
-  std::vector<Float3> positions_, normals_;
-  std::vector<Float4> tangents_;
-  std::vector<int16_t> weights_;
-  std::vector<float> triangle_q_, point_q_;
+  CpuFrame frame_;
   std::array<GlObject, 4> buffers_;
 };
 
@@ -177,25 +147,11 @@ class GpuFrame {
   gl::Executor executor_;
 };
 
-// White says that nobody gave the surface a colour: it becomes clay.
-glm::vec4 shownColor(const AssetView& asset, const Part& part) {
-  constexpr float kWhite = 0.98f;
-  const Float4 base = part.base_color;
-  const auto colored = [&] {
-    return std::any_of(asset.colors.begin() + 4 * part.vertex_begin,
-                       asset.colors.begin() + 4 * part.vertex_end, [](uint8_t c) { return c != 255; });
-  };
-  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite && (asset.colors.empty() || !colored()))
-    return {0.40f, 0.255f, 0.19f, 1.0f};
-  return {base.x, base.y, base.z, 1.0f};
-}
-
 }  // namespace
 
 struct Renderer::State {
   explicit State(const AssetView& asset);
 
-  void check(const FrameInput& input, const RenderOptions& options) const;
   PosedBuffers pose(const FrameInput& input, Tier tier);
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
@@ -216,7 +172,7 @@ struct Renderer::State {
   float stroke_spacing = 0.0f;
   uint32_t stroke_layer = kAbsent;
   GLsizei strokes = 0;
-  std::unique_ptr<CpuFrame> cpu;
+  std::unique_ptr<UploadedFrame> cpu;
   std::unique_ptr<GpuFrame> gpu_frame, raster_frame;
   std::unique_ptr<PictureTarget> target;
 
@@ -249,7 +205,8 @@ Renderer::State::State(const AssetView& view) : asset(view) {
 
 void Renderer::State::makePrograms() {
   shadow = makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment});
-  background = makeProgram("background", {shaders::kBackgroundVertex}, {}, {shaders::kBackgroundFragment});
+  background = makeProgram("background", {shaders::kBackgroundVertex}, {},
+                           {shaders::kFurrowShade, shaders::kLighting, shaders::kBackgroundFragment});
   stroke =
       makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
 }
@@ -263,9 +220,9 @@ uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps
       "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
       "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
       "u;\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
-  program = makeProgram(
-      "surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
-      {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kSurfaceFragment});
+  program = makeProgram("surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
+                        {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kLighting,
+                         shaders::kSurfaceFragment});
   glUseProgram(program);
   glUniform1i(glGetUniformLocation(program, "normal_maps"), kNormalMaps);
   glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
@@ -325,31 +282,9 @@ void Renderer::State::makeMasks() {
   masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
 }
 
-void Renderer::State::check(const FrameInput& input, const RenderOptions& options) const {
-  const auto fail = [](const std::string& wrong) {
-    throw Error(Exit::kBadUsage, "frame", wrong, "pass an input made for this asset");
-  };
-  if (input.palette.size() != asset.palette.size()) fail("the number of palette matrices is not the asset's");
-  if (input.morph_weights.size() != asset.morphs.size())
-    fail("the number of morph weights is not the asset's");
-  if (!input.region_weights.empty() && input.region_weights.size() != asset.layers.size())
-    fail("the number of region weights is not that of the layers");
-  if (!input.responses.empty() && input.responses.size() != asset.layers.size())
-    fail("the number of responses is not that of the layers");
-  if (!(input.scale > 0.0f) || !std::isfinite(input.scale)) fail("the scale is not above 0");
-  if (!options.values.empty() && options.values.size() != asset.vertexCount())
-    fail("the number of values is not that of the vertices");
-  const bool of_layer =
-      options.view != View::kBeauty && options.view != View::kPoint && options.view != View::kMorph;
-  if (of_layer && options.layer >= asset.layerCount()) fail("the view's layer does not exist");
-  const Camera& camera = options.camera;
-  if (!(camera.distance > 0.0f) || !(camera.field_of_view > 0.0f) || !(camera.field_of_view < 180.0f))
-    fail("the camera has no distance or no field of view");
-}
-
 PosedBuffers Renderer::State::pose(const FrameInput& input, Tier tier) {
   if (tier == Tier::kCpu) {
-    if (!cpu) cpu = std::make_unique<CpuFrame>(asset);
+    if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
     return cpu->run(input);
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
@@ -390,17 +325,7 @@ void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& o
     glEnableVertexAttribArray(kValue);
     return;
   }
-  std::vector<glm::vec4> shown;
-  if (options.view == View::kPoint) shown = pointColors(asset);
-  if (options.view == View::kBias) shown = biasValues(asset, options.layer);
-  if (options.view == View::kDirection || options.view == View::kConfidence)
-    shown = directionValues(asset, options.layer);
-  if (options.view == View::kMorph) shown = morphValues(asset, input.morph_weights);
-  if (options.view == View::kMask || options.view == View::kBias)
-    for (size_t v = 0; v < options.values.size(); ++v) {
-      shown.resize(options.values.size());
-      shown[v].x = options.values[v];
-    }
+  const std::vector<glm::vec4> shown = shownValues(asset, input, options);
   if (shown.empty()) {
     glDisableVertexAttribArray(kValue);
     glVertexAttrib4f(kValue, 1.0f, 1.0f, 1.0f, 1.0f);
@@ -412,42 +337,7 @@ void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& o
 }
 
 void Renderer::State::fillScene(const RenderOptions& options) {
-  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
-  const Camera& camera = options.camera;
-  const CameraFrame frame = cameraFrame(camera, aspect);
-  const glm::vec3 target_point(camera.target.x, camera.target.y, camera.target.z);
-  const float half_height = camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
-  const float turn = glm::radians(options.light_yaw);
-  const glm::vec3 side = std::cos(turn) * frame.right - std::sin(turn) * frame.back;
-  const glm::vec3 front = std::sin(turn) * frame.right + std::cos(turn) * frame.back;
-  const auto light = [&](float right, float up, float back, float radiance) {
-    return glm::vec4(glm::normalize(right * side + up * frame.up + back * front), radiance);
-  };
-
-  scene.view_projection = frame.view_projection;
-  scene.eye = glm::vec4(frame.eye, 0.0f);
-  // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded
-  // side.
-  scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.15f);
-  scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
-  scene.lights[2] = light(0.6f, 0.35f, -0.75f, 0.85f);
-  scene.up = glm::vec4(frame.up, 0.0f);
-
-  // The shadow map spans what the picture shows at the target; casters before it are clamped onto it.
-  const float reach = half_height * std::max(aspect, 1.0f) * 1.3f;
-  const glm::vec3 key(scene.lights[0]);
-  const glm::mat4 light_view = glm::lookAt(target_point + key * reach, target_point, side);
-  const glm::mat4 light_projection = glm::ortho(-reach, reach, -reach, reach, 0.0f, reach * 2.0f);
-  scene.shadow = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f)) *
-                 glm::scale(glm::mat4(1.0f), glm::vec3(0.5f)) * light_projection * light_view;
-  scene.eye.w = 2.0f * reach / static_cast<float>(kShadowSize);
-
-  const float spacing = 2.0f * half_height / kStrokesAcross;
-  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height),
-                spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
-  scene.layer = options.layer;
-  scene.layers = asset.layerCount();
-  scene.given_values = !options.values.empty();
+  scene = sceneOf(asset, options);
   refill(scene_buffer, GL_UNIFORM_BUFFER, std::span<const gpu::Scene>(&scene, 1));
   glBindBufferBase(GL_UNIFORM_BUFFER, kSceneSlot, scene_buffer);
 }
@@ -519,7 +409,7 @@ Renderer::~Renderer() = default;
 
 uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
   State& s = *state_;
-  s.check(input, options);
+  checkPicture(s.asset, input, options);
   if (!s.target || s.target->width() != options.width || s.target->height() != options.height) {
     s.target.reset();
     s.target = std::make_unique<PictureTarget>(options.width, options.height);

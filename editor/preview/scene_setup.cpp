@@ -1,0 +1,114 @@
+#include "editor/preview/scene_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <string>
+
+#include "editor/preview/view_values.h"
+#include "pipeline/error.h"
+
+namespace furrow::preview {
+
+namespace {
+
+using pipeline::Error;
+using pipeline::Exit;
+
+constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
+
+}  // namespace
+
+void checkPicture(const AssetView& asset, const FrameInput& input, const RenderOptions& options) {
+  const auto fail = [](const std::string& wrong) {
+    throw Error(Exit::kBadUsage, "frame", wrong, "pass an input made for this asset");
+  };
+  if (input.palette.size() != asset.palette.size()) fail("the number of palette matrices is not the asset's");
+  if (input.morph_weights.size() != asset.morphs.size())
+    fail("the number of morph weights is not the asset's");
+  if (!input.region_weights.empty() && input.region_weights.size() != asset.layers.size())
+    fail("the number of region weights is not that of the layers");
+  if (!input.responses.empty() && input.responses.size() != asset.layers.size())
+    fail("the number of responses is not that of the layers");
+  if (!(input.scale > 0.0f) || !std::isfinite(input.scale)) fail("the scale is not above 0");
+  if (!options.values.empty() && options.values.size() != asset.vertexCount())
+    fail("the number of values is not that of the vertices");
+  const bool of_layer =
+      options.view != View::kBeauty && options.view != View::kPoint && options.view != View::kMorph;
+  if (of_layer && options.layer >= asset.layerCount()) fail("the view's layer does not exist");
+  const Camera& camera = options.camera;
+  if (!(camera.distance > 0.0f) || !(camera.field_of_view > 0.0f) || !(camera.field_of_view < 180.0f))
+    fail("the camera has no distance or no field of view");
+}
+
+gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options) {
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  const Camera& camera = options.camera;
+  const CameraFrame frame = cameraFrame(camera, aspect);
+  const glm::vec3 target_point(camera.target.x, camera.target.y, camera.target.z);
+  const float half_height = camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
+  const float turn = glm::radians(options.light_yaw);
+  const glm::vec3 side = std::cos(turn) * frame.right - std::sin(turn) * frame.back;
+  const glm::vec3 front = std::sin(turn) * frame.right + std::cos(turn) * frame.back;
+  const auto light = [&](float right, float up, float back, float radiance) {
+    return glm::vec4(glm::normalize(right * side + up * frame.up + back * front), radiance);
+  };
+
+  gpu::Scene scene{};
+  scene.view_projection = frame.view_projection;
+  scene.eye = glm::vec4(frame.eye, 0.0f);
+  // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded
+  // side.
+  scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.15f);
+  scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
+  scene.lights[2] = light(0.6f, 0.35f, -0.75f, 0.85f);
+  scene.up = glm::vec4(frame.up, 0.0f);
+
+  // The shadow map spans twice what the picture shows at the target, for what lies before and behind it;
+  // casters before it are clamped onto it.
+  const float reach = half_height * std::max(aspect, 1.0f) * 2.6f;
+  const glm::vec3 key(scene.lights[0]);
+  const glm::mat4 light_view = glm::lookAt(target_point + key * reach, target_point, side);
+  const glm::mat4 light_projection = glm::ortho(-reach, reach, -reach, reach, 0.0f, reach * 2.0f);
+  scene.shadow = glm::translate(glm::mat4(1.0f), glm::vec3(0.5f)) *
+                 glm::scale(glm::mat4(1.0f), glm::vec3(0.5f)) * light_projection * light_view;
+  scene.eye.w = 2.0f * reach / static_cast<float>(kShadowSize);
+
+  const float spacing = 2.0f * half_height / kStrokesAcross;
+  scene.size = {static_cast<float>(options.width), static_cast<float>(options.height),
+                spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
+  scene.layer = options.layer;
+  scene.layers = asset.layerCount();
+  scene.given_values = !options.values.empty();
+  return scene;
+}
+
+glm::vec4 shownColor(const AssetView& asset, const Part& part) {
+  constexpr float kWhite = 0.98f;
+  const Float4 base = part.base_color;
+  const auto colored = [&] {
+    return std::any_of(asset.colors.begin() + 4 * part.vertex_begin,
+                       asset.colors.begin() + 4 * part.vertex_end, [](uint8_t c) { return c != 255; });
+  };
+  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite && (asset.colors.empty() || !colored()))
+    return {0.40f, 0.255f, 0.19f, 1.0f};
+  return {base.x, base.y, base.z, 1.0f};
+}
+
+std::vector<glm::vec4> shownValues(const AssetView& asset, const FrameInput& input,
+                                   const RenderOptions& options) {
+  std::vector<glm::vec4> shown;
+  if (options.view == View::kPoint) shown = pointColors(asset);
+  if (options.view == View::kBias) shown = biasValues(asset, options.layer);
+  if (options.view == View::kDirection || options.view == View::kConfidence)
+    shown = directionValues(asset, options.layer);
+  if (options.view == View::kMorph) shown = morphValues(asset, input.morph_weights);
+  if (options.view == View::kMask || options.view == View::kBias)
+    for (size_t v = 0; v < options.values.size(); ++v) {
+      shown.resize(options.values.size());
+      shown[v].x = options.values[v];
+    }
+  return shown;
+}
+
+}  // namespace furrow::preview

@@ -1,0 +1,278 @@
+#include "editor/preview/software_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "editor/preview/cpu_frame.h"
+#include "editor/preview/scene_setup.h"
+#include "editor/preview/shaders/lighting.h"
+#include "furrow/raster.h"
+#include "pipeline/error.h"
+#include "pipeline/parallel.h"
+
+namespace furrow::preview {
+
+namespace {
+
+using pipeline::Error;
+using pipeline::Exit;
+using pipeline::Image;
+
+glm::vec3 vec(Float3 p) {
+  return {p.x, p.y, p.z};
+}
+
+// Runs the passes of a job whose inputs, outputs and size are set, in memory that it keeps.
+class Rasteriser {
+ public:
+  explicit Rasteriser(uint32_t threads) : threads_(threads) {}
+
+  void run(RasterJob job) {
+    const AssetView& asset = *job.asset;
+    const uint32_t batches = rasterBatches(asset.triangleCount()), tiles = rasterTiles(job.width, job.height);
+    vertices_.resize(asset.vertexCount());
+    bins_.resize(rasterBinWords(asset.triangleCount(), job.width, job.height));
+    job.vertices = vertices_;
+    job.bins = bins_;
+    if (const Status status = job.validate(); !status.ok())
+      throw Error(Exit::kBadUsage, "picture", status.message, "check the options of the picture");
+    constexpr uint32_t kVertices = 4096;
+    each((asset.vertexCount() + kVertices - 1) / kVertices,
+         [&](uint32_t i) { job.project(i * kVertices, std::min((i + 1) * kVertices, asset.vertexCount())); });
+    each(batches, [&](uint32_t i) { job.bin(i, i + 1); });
+    each(tiles, [&](uint32_t i) {
+      alignas(64) static thread_local std::byte scratch[kRasterScratchBytes];
+      job.draw(i, i + 1, scratch);
+    });
+  }
+
+ private:
+  template <typename Run>
+  void each(uint32_t count, const Run& run) const {
+    pipeline::parallelFor(count, threads_, run);
+  }
+
+  uint32_t threads_;
+  std::vector<RasterVertex> vertices_;
+  std::vector<uint64_t> bins_;
+};
+
+void setMatrix(RasterJob& job, const glm::mat4& m) {
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) job.view_projection[4 * row + column] = m[column][row];
+}
+
+// Where the key light reaches, as the renderer's shadow map has it.
+class Shadow {
+ public:
+  Shadow(const gpu::Scene& scene, const AssetView& asset, std::span<const Float3> positions,
+         Rasteriser& rasteriser)
+      : scene_(scene), depth_(size_t{kShadowSize} * kShadowSize) {
+    RasterJob job;
+    job.asset = &asset;
+    job.positions = positions;
+    job.width = job.height = kShadowSize;
+    job.samples = 1;
+    job.depth = depth_;
+    // From the map's depths in [0, 1] to clip space, which also holds casters far before it.
+    const glm::mat4 clip(glm::vec4(2, 0, 0, 0), glm::vec4(0, 2, 0, 0), glm::vec4(0, 0, 1.0f / kReach, 0),
+                         glm::vec4(-1, -1, 1.0f - 1.0f / kReach, 1));
+    setMatrix(job, clip * scene.shadow);
+    rasteriser.run(job);
+  }
+
+  // 1 in full light; the mean over a disc of the surface about as wide as `spread`, in world units: a finer
+  // edge of a shadow would be jagged where vertices hold it. `normal`: unit, towards the eye.
+  float at(glm::vec3 position, glm::vec3 normal, float spread) const {
+    const float cosine = std::clamp(glm::dot(normal, glm::vec3(scene_.lights[0])), 0.0f, 1.0f);
+    const float lift = scene_.eye.w * (6.0f + cosine * (2.0f - 6.0f));
+    const glm::vec4 at = scene_.shadow * glm::vec4(position + normal * lift, 1.0f);
+    const float step = std::clamp(spread / scene_.eye.w / (kTaps - 1), 1.0f, 16.0f);
+    // The depths of what is tapped differ by the slope of the surface.
+    const float slope = std::min(std::sqrt(1.0f - cosine * cosine) / std::max(cosine, 1e-3f), 20.0f);
+    const float depth = at.z - 0.001f - (kTaps / 2) * step * slope / kShadowSize;
+    float lit = 0.0f;
+    for (int y = 0; y < kTaps; ++y)
+      for (int x = 0; x < kTaps; ++x)
+        lit += litAt(at.x * kShadowSize + step * static_cast<float>(x - kTaps / 2),
+                     (1.0f - at.y) * kShadowSize + step * static_cast<float>(y - kTaps / 2), depth);
+    lit /= kTaps * kTaps;
+    return gpu::shadowAtEdge(glm::mix(1.0f, lit, glm::smoothstep(0.0f, 0.25f, cosine)), glm::vec2(at));
+  }
+
+ private:
+  static constexpr float kReach = 8.0f;  // depths of the map before it
+  static constexpr int kTaps = 5;        // a side, odd
+
+  // Of the four texels about x, y.
+  float litAt(float x, float y, float depth) const {
+    const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
+    const auto lit = [&](float column, float row) {
+      const auto c = static_cast<size_t>(std::fmin(std::fmax(column, 0.0f), kShadowSize - 1.0f));
+      const auto r = static_cast<size_t>(std::fmin(std::fmax(row, 0.0f), kShadowSize - 1.0f));
+      const float caster = (depth_[r * kShadowSize + c] - 1.0f) * kReach + 1.0f;
+      return depth <= caster ? 1.0f : 0.0f;
+    };
+    const float fx = x - 0.5f - left, fy = y - 0.5f - top;
+    return glm::mix(glm::mix(lit(left, top), lit(left + 1, top), fx),
+                    glm::mix(lit(left, top + 1), lit(left + 1, top + 1), fx), fy);
+  }
+
+  const gpu::Scene& scene_;
+  std::vector<float> depth_;
+};
+
+// What a vertex's triangles say about it.
+struct Neighbourhood {
+  float facing = 0.0f;  // negative where the normal looks to the side from which they are seen clockwise
+  float edges = 0.0f;   // sum of the lengths of their edges beside it
+  float count = 0.0f;   // of those
+};
+
+std::vector<Neighbourhood> neighbourhoods(const AssetView& asset, const CpuFrame& frame) {
+  std::vector<Neighbourhood> result(asset.vertexCount());
+  for (size_t i = 0; i < asset.indices.size(); i += 3) {
+    const uint32_t* corner = &asset.indices[i];
+    const glm::vec3 p[3] = {vec(frame.positions[corner[0]]), vec(frame.positions[corner[1]]),
+                            vec(frame.positions[corner[2]])};
+    const glm::vec3 facet = glm::cross(p[1] - p[0], p[2] - p[0]);
+    for (int k = 0; k < 3; ++k) {
+      Neighbourhood& n = result[corner[k]];
+      n.facing += glm::dot(facet, vec(frame.normals[corner[k]]));
+      n.edges += glm::distance(p[k], p[(k + 1) % 3]) + glm::distance(p[k], p[(k + 2) % 3]);
+      n.count += 2.0f;
+    }
+  }
+  return result;
+}
+
+// A vertex's colour in a view of values.
+glm::vec3 shownColorAt(const AssetView& asset, const CpuFrame& frame, const RenderOptions& options,
+                       std::span<const glm::vec4> values, uint32_t v) {
+  switch (options.view) {
+    case View::kWeight:
+      return gpu::diverging(
+          static_cast<float>(frame.weights[size_t{v} * asset.weightStride() + options.layer]) / 32767.0f);
+    case View::kMask: {
+      const auto mask = asset.layers[options.layer].mask;
+      return gpu::maskShown(!values.empty() ? values[v].x
+                            : mask.empty()  ? 1.0f
+                                            : static_cast<float>(mask[v]) / 255.0f);
+    }
+    case View::kBias:
+      return gpu::diverging(values[v].x);
+    case View::kPoint:
+      return glm::vec3(values[v]);
+    default:
+      return gpu::heat(values[v].x);
+  }
+}
+
+// As the renderer's shader takes it: near enough to sRGB.
+glm::vec3 vertexColor(const AssetView& asset, uint32_t v) {
+  if (asset.colors.empty()) return glm::vec3(1.0f);
+  const uint8_t* bytes = &asset.colors[size_t{4} * v];
+  const glm::vec3 c = glm::vec3(bytes[0], bytes[1], bytes[2]) / 255.0f;
+  return c * c;
+}
+
+// Of both sides.
+struct VertexColors {
+  std::vector<Float3> front, back;
+};
+
+VertexColors litColors(const AssetView& asset, const FrameInput& input, const CpuFrame& frame,
+                       const RenderOptions& options, const gpu::Scene& scene, Rasteriser& rasteriser) {
+  const bool beauty = options.view == View::kBeauty;
+  const std::vector<glm::vec4> values = shownValues(asset, input, options);
+  const std::vector<Neighbourhood> around = neighbourhoods(asset, frame);
+  const Shadow shadow(scene, asset, frame.positions, rasteriser);
+  VertexColors colors{std::vector<Float3>(asset.vertexCount()), std::vector<Float3>(asset.vertexCount())};
+  for (const Part& part : asset.parts) {
+    const glm::vec3 part_color(shownColor(asset, part));
+    for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v) {
+      const glm::vec3 position = vec(frame.positions[v]), to_eye = glm::vec3(scene.eye) - position;
+      const glm::vec3 view = to_eye / std::max(glm::length(to_eye), 1e-20f);
+      const glm::vec3 base = part_color * vertexColor(asset, v);
+      const glm::vec3 shown = beauty ? base : shownColorAt(asset, frame, options, values, v);
+      const float spread = around[v].edges / std::max(around[v].count, 1.0f);
+      const auto lit = [&](glm::vec3 form) {
+        const glm::vec3 c = beauty ? gpu::shade(scene.lights, glm::vec3(scene.up), base, form, form, view,
+                                                1.0f, part.roughness, shadow.at(position, form, spread))
+                                   : shown * gpu::viewLight(form, view, glm::vec3(scene.lights[0]));
+        return Float3{c.x, c.y, c.z};
+      };
+      const glm::vec3 front = vec(frame.normals[v]) * (around[v].facing < 0.0f ? -1.0f : 1.0f);
+      colors.front[v] = lit(front);
+      colors.back[v] = lit(-front);
+    }
+  }
+  return colors;
+}
+
+float encoded(float linear) {
+  const float c = std::clamp(linear, 0.0f, 1.0f);
+  return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
+}
+
+// Over the background, sRGB-encoded.
+Image finished(std::span<const Float4> drawn, const RenderOptions& options, uint32_t threads) {
+  Image image{options.width, options.height, 4, std::vector<float>(drawn.size() * 4, 1.0f)};
+  const auto height = static_cast<float>(options.height);
+  pipeline::parallelFor(options.height, threads, [&](uint32_t y) {
+    for (uint32_t x = 0; x < options.width; ++x) {
+      const Float4& p = drawn[size_t{y} * options.width + x];
+      const glm::vec2 pixel(static_cast<float>(x) + 0.5f, height - static_cast<float>(y) - 0.5f);
+      glm::vec3 color(0.0f);
+      if (p.w > 0.0f) {
+        color = glm::vec3(p.x, p.y, p.z) / p.w;
+        if (options.view == View::kBeauty) color = gpu::toneMap(color);
+      }
+      if (p.w < 1.0f) color = glm::mix(gpu::backgroundColor(pixel, height), color, p.w);
+      float* out = image.at(x, y);
+      for (int c = 0; c < 3; ++c) out[c] = std::round(encoded(color[c]) * 255.0f) / 255.0f;
+    }
+  });
+  return image;
+}
+
+}  // namespace
+
+const char* whyNotInSoftware(const RenderOptions& options) {
+  if (options.view == View::kDirection) return "the strokes of the direction view are drawn by OpenGL";
+  if (options.view == View::kBeauty && options.shading != Shading::kAlpha &&
+      options.shading != Shading::kNone)
+    return "wrinkles with a normal a pixel are drawn by OpenGL";
+  return nullptr;
+}
+
+Image softwarePicture(const AssetView& asset, const FrameInput& input, const RenderOptions& options,
+                      uint32_t threads) {
+  checkPicture(asset, input, options);
+  if (const char* why = whyNotInSoftware(options))
+    throw Error(Exit::kEnvironment, "picture", why, "use --shading alpha or none, or another view");
+  CpuFrame frame(asset);
+  frame.run(input);
+  const gpu::Scene scene = sceneOf(asset, options);
+  Rasteriser rasteriser(threads);
+  const VertexColors colors = litColors(asset, input, frame, options, scene, rasteriser);
+
+  std::vector<Float4> drawn(size_t{options.width} * options.height);
+  RasterJob job;
+  job.asset = &asset;
+  job.positions = frame.positions;
+  setMatrix(job, scene.view_projection);
+  job.width = options.width;
+  job.height = options.height;
+  job.colors = colors.front;
+  job.back_colors = colors.back;
+  if (options.view == View::kBeauty && options.shading == Shading::kAlpha) job.weights = frame.weights;
+  job.vertex_shade = gpu::kVertexShade;
+  job.picture = drawn;
+  rasteriser.run(job);
+  return finished(drawn, options, threads);
+}
+
+}  // namespace furrow::preview
