@@ -2,11 +2,12 @@
 # make build   release build; programs in build/bin
 # make test    build, then run every test; the last line is "N passed, N failed, N skipped"
 # make demo    make the demo characters, cook them and render pictures into out
+# make figures make the figures of docs/figures.md anew
 # make clean   remove every build folder
 
 JOBS ?= $(shell nproc)
 
-.PHONY: deps build test demo clean
+.PHONY: deps build test demo figures clean
 
 deps:
 	tools/deps.sh
@@ -20,6 +21,9 @@ test: deps build
 
 demo: deps build
 	tools/demo.sh build/bin build/content out
+
+figures: deps build
+	tools/figures.sh build/bin build/content docs/figures
 
 clean:
 	rm -rf build build-dev build-asan build-clang build-asan-clang build-fuzz out

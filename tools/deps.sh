@@ -11,6 +11,8 @@ packages=(
   libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libeigen3-dev libstb-dev libcli11-dev
   # preview and editor
   libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
+  # figures
+  gnuplot-nox fonts-dejavu-core
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema
 )
