@@ -16,77 +16,7 @@ namespace {
 
 using json = nlohmann::json;
 
-std::string readText(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::error_code ignored;
-  if (!stream || std::filesystem::is_directory(file, ignored))
-    throw Error(Exit::kBadData, file.string(), "cannot be opened", "give a recipe that can be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-// Finds what json::parse() leaves out: where an error is, and keys that stand twice.
-class SyntaxCheck : public nlohmann::json_sax<json> {
- public:
-  SyntaxCheck(const std::string& text, const std::filesystem::path& file) : text_(text), file_(file) {}
-
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool start_array(size_t) override { return open(); }
-  bool end_array() override { return close(); }
-  bool start_object(size_t) override { return open(); }
-  bool end_object() override { return close(); }
-
-  bool key(string_t& name) override {
-    if (!keys_.back().insert(name).second)
-      throw Error(Exit::kBadData, file_.string(), "the key \"" + name + "\" stands twice in one object",
-                  "keep one");
-    return true;
-  }
-
-  bool parse_error(size_t position, const std::string& token,
-                   const nlohmann::detail::exception& error) override {
-    size_t end = std::min(position == 0 ? 0 : position - 1, text_.size());
-    auto before = text_.begin() + static_cast<std::ptrdiff_t>(end);
-    auto line = 1 + std::count(text_.begin(), before, '\n');
-    size_t line_begin = text_.rfind('\n', end == 0 ? 0 : end - 1);
-    size_t column = end - (line == 1 ? 0 : line_begin + 1) + 1;
-    // The library's own text is "[json.exception...] parse error at line ..., column ...: what"; a number out
-    // of range has none of that.
-    std::string what = error.what();
-    size_t colon = what.find(": ");
-    what = colon == std::string::npos ? "the number " + token + " is too large" : what.substr(colon + 2);
-    std::replace_if(
-        what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-    throw Error(Exit::kBadData, file_.string(),
-                "line " + std::to_string(line) + ", column " + std::to_string(column) + ": " + what,
-                "recipes are JSON, in which comments are allowed");
-  }
-
- private:
-  static constexpr size_t kMaxDepth = 64;
-
-  bool open() {
-    if (keys_.size() == kMaxDepth)
-      throw Error(Exit::kBadData, file_.string(), "is nested too deeply", "recipes nest a few levels");
-    keys_.emplace_back();
-    return true;
-  }
-  bool close() {
-    keys_.pop_back();
-    return true;
-  }
-
-  const std::string& text_;
-  const std::filesystem::path& file_;
-  std::vector<std::set<std::string>> keys_;
-};
-
-// What follows reads recipes that checkRecipe() has passed.
+// What follows reads recipes that fit recipeShape().
 
 std::vector<std::string> strings(const json& object, const char* key) {
   return object.value(key, std::vector<std::string>{});
@@ -120,7 +50,7 @@ class Reader {
   }
 
  private:
-  std::filesystem::path path(const json& text) const { return recipePath(file_, text.get<std::string>()); }
+  std::filesystem::path path(const json& text) const { return pathIn(file_, text.get<std::string>()); }
 
   Rest rest(const json& j) const {
     if (j.is_string()) return RestBind{};
@@ -276,12 +206,10 @@ Recipe defaultRecipe() {
 }
 
 Recipe readRecipe(const std::filesystem::path& file) {
-  std::string text = readText(file);
-  SyntaxCheck syntax(text, file);
-  json::sax_parse(text, &syntax, nlohmann::detail::input_format_t::json, true, true);
-  const json parsed = json::parse(text, nullptr, true, true);
-  checkRecipe(parsed, file);
-  return Reader(file).recipe(parsed);
+  JsonFile read = readJson(file, recipeShape(), "recipe");
+  Recipe recipe = Reader(file).recipe(read.value);
+  recipe.files = std::move(read.files);
+  return recipe;
 }
 
 }  // namespace furrow::pipeline

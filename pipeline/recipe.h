@@ -118,7 +118,8 @@ struct LayerRecipe {
 };
 
 struct Recipe {
-  std::filesystem::path file;  // empty for the default recipe
+  std::filesystem::path file;                // empty for the default recipe
+  std::vector<std::filesystem::path> files;  // every file that `file` names, absolute
   Rest rest = RestBind{};
   std::optional<double> weld_tolerance;  // default: worked out from the bounding box
   uint32_t map_size =

@@ -8,8 +8,8 @@ namespace furrow::pipeline {
 
 namespace {
 
-using Shape = RecipeShape;
-using Kind = RecipeShape::Kind;
+using Shape = JsonShape;
+using Kind = JsonShape::Kind;
 
 // ---- the schema ----
 
@@ -24,7 +24,7 @@ ordered schemaOf(const Shape& shape);
 // `form` is empty for an object without forms.
 ordered schemaOfForm(const Shape& shape, const std::string& form) {
   ordered properties = ordered::object(), required = ordered::array();
-  for (const RecipeKey& key : shape.keys) {
+  for (const JsonKey& key : shape.keys) {
     bool other_form =
         key.name != form && std::find(shape.forms.begin(), shape.forms.end(), key.name) != shape.forms.end();
     if (other_form || (!key.form.empty() && key.form != form)) continue;
@@ -91,7 +91,7 @@ struct Row {
 // Rows of the keys below `shape`, named from there.
 std::vector<Row> rowsBelow(const Shape& shape);
 
-std::vector<Row> rowsOf(const RecipeKey& key) {
+std::vector<Row> rowsOf(const JsonKey& key) {
   std::vector<Row> rows = {{key.name, describe(key.shape), key.doc}};
   if (key.required) rows[0].meaning += " Required.";
   if (!key.form.empty()) rows[0].meaning += " Beside `" + key.form + "`.";
@@ -109,7 +109,7 @@ std::vector<Row> rowsBelow(const Shape& shape) {
       if (shape.kind == Kind::kList) row.key = "[]" + row.key;
       rows.push_back(std::move(row));
     }
-  for (const RecipeKey& key : shape.keys)
+  for (const JsonKey& key : shape.keys)
     for (Row row : rowsOf(key)) {
       row.key = '.' + row.key;
       rows.push_back(std::move(row));
@@ -117,7 +117,7 @@ std::vector<Row> rowsBelow(const Shape& shape) {
   return rows;
 }
 
-bool sameBelow(const RecipeKey& a, const RecipeKey& b) {
+bool sameBelow(const JsonKey& a, const JsonKey& b) {
   const std::vector<Row> below_a = rowsBelow(a.shape), below_b = rowsBelow(b.shape);
   return std::equal(below_a.begin(), below_a.end(), below_b.begin(), below_b.end(),
                     [](const Row& x, const Row& y) { return x.key == y.key && x.meaning == y.meaning; });
@@ -128,11 +128,11 @@ bool sameBelow(const RecipeKey& a, const RecipeKey& b) {
 std::string table(const Shape& shape, const std::string& apart) {
   std::string text = "| key | value | meaning |\n|---|---|---|\n";
   for (size_t k = 0; k < shape.keys.size(); ++k) {
-    const RecipeKey& key = shape.keys[k];
+    const JsonKey& key = shape.keys[k];
     std::vector<Row> rows = rowsOf(key);
     const auto end = shape.keys.begin() + static_cast<std::ptrdiff_t>(k);
     const auto twin = std::find_if(shape.keys.begin(), end,
-                                   [&](const RecipeKey& earlier) { return sameBelow(earlier, key); });
+                                   [&](const JsonKey& earlier) { return sameBelow(earlier, key); });
     if (twin != end && rows.size() > 1) {
       rows.resize(1);
       rows[0].meaning += " With the keys of `" + twin->name + "`.";
@@ -145,14 +145,14 @@ std::string table(const Shape& shape, const std::string& apart) {
 
 }  // namespace
 
-std::string recipeSchemaText() {
-  ordered schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "furrow recipe"}};
-  schema.update(schemaOf(recipeShape()));
+std::string schemaText(const JsonShape& shape, const char* title) {
+  ordered schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
+  schema.update(schemaOf(shape));
   return schema.dump(2) + '\n';
 }
 
 std::string recipeTablesText() {
-  const RecipeKey& layers = recipeShape().keys.back();
+  const JsonKey& layers = recipeShape().keys.back();
   return "### The recipe\n\n" + table(recipeShape(), layers.name) + "\n### A layer\n\n" +
          table(layers.shape.inner[0], "");
 }

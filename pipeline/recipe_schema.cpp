@@ -7,8 +7,8 @@ namespace furrow::pipeline {
 
 namespace {
 
-using Shape = RecipeShape;
-using Kind = RecipeShape::Kind;
+using Shape = JsonShape;
+using Kind = JsonShape::Kind;
 
 Shape make(Kind kind) {
   Shape shape;
@@ -58,12 +58,12 @@ Shape either(std::vector<Shape> shapes) {
   shape.inner = std::move(shapes);
   return shape;
 }
-Shape object(std::vector<RecipeKey> keys) {
+Shape object(std::vector<JsonKey> keys) {
   Shape shape = make(Kind::kObject);
   shape.keys = std::move(keys);
   return shape;
 }
-Shape forms(std::vector<std::string> names, std::vector<RecipeKey> keys) {
+Shape forms(std::vector<std::string> names, std::vector<JsonKey> keys) {
   Shape shape = object(std::move(keys));
   shape.forms = std::move(names);
   return shape;
@@ -194,7 +194,7 @@ Shape describeLayer() {
 
 }  // namespace
 
-const RecipeShape& recipeShape() {
+const JsonShape& recipeShape() {
   static const Shape shape = object(
       {{"$schema", text(), "Where an editor finds this schema; not read."},
        {"rest", describeRest(), "The pose in which the surface is relaxed; default \"bind\", the bind pose."},
@@ -207,6 +207,21 @@ const RecipeShape& recipeShape() {
        {"mapSize", integer(16, 8192),
         "Largest side of a wrinkle map, in texels; default: worked out, at most 2048."},
        {"layers", list(describeLayer(), 1, kMaxLayers), "The wrinkle layers.", true}});
+  return shape;
+}
+
+const JsonShape& manifestShape() {
+  static const Shape shape =
+      object({{"$schema", text(), "Where an editor finds this schema; not read."},
+              {"assets",
+               list(object({{"source", text(), "The mesh file; with \"sequence\", the relaxed mesh."},
+                            {"sequence", text(), "Frames of a vertex animation, such as \"frame_*.obj\"."},
+                            {"fps", number(0.001, 100000), "Frames a second of the sequence; default 24."},
+                            {"recipe", text(), "Default: one layer worked out from the animation."},
+                            {"output", text(), "The asset to write; folders are made as needed.", true},
+                            {"geometry", word({"draco", "raw"}), "Default \"draco\"."}}),
+                    1, kMany),
+               "What to cook, each into an output of its own. Paths are relative to the manifest.", true}});
   return shape;
 }
 

@@ -1,5 +1,6 @@
 // furrow: cook, inspect and preview wrinkle assets from the command line.
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <map>
@@ -10,6 +11,7 @@
 
 int main(int argc, char** argv) {
   using furrow::pipeline::Exit;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file too long for the user's limit is a fault of writing like any other
   CLI::App app("furrow: wrinkles computed on every frame from how the surface is squeezed");
   app.set_version_flag("--version", "furrow " FURROW_VERSION);
   app.require_subcommand(1);

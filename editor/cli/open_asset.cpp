@@ -43,9 +43,15 @@ pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesyste
   return cooked;
 }
 
-void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings) {
+std::string warningLines(const std::filesystem::path& source, const std::vector<std::string>& warnings) {
+  std::string lines;
   for (const std::string& warning : warnings)
-    std::fprintf(stderr, "furrow: %s: warning: %s\n", source.c_str(), warning.c_str());
+    lines += "furrow: " + source.string() + ": warning: " + warning + '\n';
+  return lines;
+}
+
+void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings) {
+  std::fputs(warningLines(source, warnings).c_str(), stderr);
 }
 
 }  // namespace furrow::cli

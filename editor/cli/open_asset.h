@@ -3,6 +3,7 @@
 // What stands where a command says ASSET: a .furrow file, or a source that is cooked in memory first.
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "editor/preview/loaded_asset.h"
@@ -23,7 +24,10 @@ OpenedAsset openAsset(const std::filesystem::path& file);
 pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesystem::path& recipe,
                           pipeline::CookOptions options, bool quiet);
 
-// On stderr, one a line. The last thing a command does: a fault stands alone.
+// One a line, as they are printed.
+std::string warningLines(const std::filesystem::path& source, const std::vector<std::string>& warnings);
+
+// On stderr. The last thing a command does: a fault stands alone.
 void printWarnings(const std::filesystem::path& source, const std::vector<std::string>& warnings);
 
 }  // namespace furrow::cli

@@ -21,6 +21,10 @@ enum class MeshFormat { kObj, kPly, kStlText, kStlBinary, kOff };
 std::vector<uint8_t> readBytes(const std::filesystem::path& file);
 
 SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> bytes);
+// The files of its buffers.
+std::vector<std::filesystem::path> gltfBuffers(const std::filesystem::path& file,
+                                               const std::vector<uint8_t>& bytes);
+
 // The faces of a mesh file as they stand in it: not split at seams, not cut into triangles.
 struct Polygons {
   std::vector<glm::vec3> positions;  // the file's vertices; finite where a face has them

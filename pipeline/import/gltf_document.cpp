@@ -69,6 +69,10 @@ Container openGlb(Bytes file) {
   return out;
 }
 
+bool isGlb(Bytes file) {
+  return file.size() >= 4 && readU32(file, 0) == kGlbMagic;
+}
+
 // Integers that fit no 32-bit type become floating-point, so that nobody downstream truncates them into a
 // valid index.
 json parseJson(Bytes text) {
@@ -172,6 +176,14 @@ std::string decodePercent(std::string_view uri) {
     }
   }
   return out;
+}
+
+bool isData(const std::string& uri) {
+  return uri.starts_with("data:");
+}
+
+std::filesystem::path bufferFile(const std::filesystem::path& file, const std::string& uri) {
+  return file.parent_path() / std::filesystem::u8path(decodePercent(uri));
 }
 
 std::vector<uint8_t> decodeDataUri(const std::string& uri) {
@@ -304,7 +316,7 @@ std::vector<uint32_t> readUnsigned(const AccessorView& view) {
 
 GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_t> bytes)
     : file_(file), bytes_(std::move(bytes)), total_bytes_(bytes_.size()), dependencies_{file} {
-  const bool glb = bytes_.size() >= 4 && readU32(bytes_, 0) == kGlbMagic;
+  const bool glb = isGlb(bytes_);
   const Container container = glb ? openGlb(bytes_) : Container{bytes_, {}};
   json root = parseJson(container.json);
   checkAsset(root);
@@ -325,10 +337,10 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
       if (glb && b == 0) buffer.bytes = container.bin;
     } else if (!uri->is_string()) {
       fail(name + " has a URI that is no string");
-    } else if (const std::string& text = uri->get_ref<const std::string&>(); text.starts_with("data:")) {
+    } else if (const std::string& text = uri->get_ref<const std::string&>(); isData(text)) {
       buffer.owned = decodeDataUri(text);
     } else {
-      const std::filesystem::path path = file_.parent_path() / std::filesystem::u8path(decodePercent(text));
+      const std::filesystem::path path = bufferFile(file_, text);
       if (!std::filesystem::is_regular_file(path))
         throw Error(Exit::kBadData, file_.string(),
                     "it needs the file " + path.string() + ", which is not there",
@@ -358,6 +370,19 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
   if (!loader.LoadASCIIFromString(&model_, &error, &warning, text.data(), static_cast<uint32_t>(text.size()),
                                   ""))
     fail(error.empty() ? "tinygltf cannot read it" : error);
+}
+
+std::vector<std::filesystem::path> gltfBuffers(const std::filesystem::path& file,
+                                               const std::vector<uint8_t>& bytes) {
+  const json root = parseJson(isGlb(bytes) ? openGlb(bytes).json : bytes);
+  std::vector<std::filesystem::path> files;
+  const json* buffers = find(root, "buffers");
+  for (size_t b = 0; buffers && buffers->is_array() && b < buffers->size(); ++b) {
+    const json* uri = (*buffers)[b].is_object() ? find((*buffers)[b], "uri") : nullptr;
+    if (uri && uri->is_string() && !isData(uri->get_ref<const std::string&>()))
+      files.push_back(bufferFile(file, uri->get_ref<const std::string&>()));
+  }
+  return files;
 }
 
 bool GltfDocument::uses(const std::string& extension) const {

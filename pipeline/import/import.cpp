@@ -127,6 +127,16 @@ SourceScene import(const std::filesystem::path& file) {
   });
 }
 
+std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& file) {
+  return guarded(file, [&] {
+    const std::vector<uint8_t> bytes = readModel(file);
+    std::vector<std::filesystem::path> files = {file};
+    if (!tellFormat(file, bytes))
+      for (std::filesystem::path& buffer : gltfBuffers(file, bytes)) files.push_back(std::move(buffer));
+    return files;
+  });
+}
+
 Polygons importPolygons(const std::filesystem::path& file) {
   return guarded(file, [&] {
     std::vector<uint8_t> bytes = readModel(file);

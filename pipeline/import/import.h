@@ -12,4 +12,7 @@ namespace furrow::pipeline {
 // Throws Error (kBadData: the file; kEnvironment: it cannot be opened). Images are not read.
 SourceScene import(const std::filesystem::path& file);
 
+// Every file that import() would read, `file` first; no geometry is read. Throws the same.
+std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& file);
+
 }  // namespace furrow::pipeline

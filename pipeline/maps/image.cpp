@@ -14,13 +14,8 @@ namespace {
 
 constexpr int kMaxSide = 16384;  // of a texture on the GPUs furrow is for
 
-// The module stands beside the program or, installed, in lib/furrow.
 ImageModule loadImageModule() {
-  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  std::filesystem::path file = folder / FURROW_IMAGE_MODULE;
-  const std::filesystem::path installed = folder / "../lib/furrow" / FURROW_IMAGE_MODULE;
-  std::error_code error;
-  if (!std::filesystem::exists(file, error) && std::filesystem::exists(installed, error)) file = installed;
+  const std::filesystem::path file = imageModuleFile();
   // Never closed: its libraries keep threads and thread-local data.
   void* const module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   const auto entry = module ? reinterpret_cast<ImageModuleEntry>(dlsym(module, kImageModuleEntry)) : nullptr;
@@ -71,6 +66,15 @@ AnyImage read(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+std::filesystem::path imageModuleFile() {
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::filesystem::path file = folder / FURROW_IMAGE_MODULE;
+  const std::filesystem::path installed = folder / "../lib/furrow" / FURROW_IMAGE_MODULE;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error) && std::filesystem::exists(installed, error)) file = installed;
+  return file;
+}
 
 Image readImage(const std::filesystem::path& file) {
   Image image = read<Image>(file);

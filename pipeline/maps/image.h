@@ -48,6 +48,9 @@ ByteImage readByteImage(const std::filesystem::path& file);
 // The same in floats.
 Image toFloats(const ByteImage& image);
 
+// Where the module is: beside the program or, installed, in ../lib/furrow.
+std::filesystem::path imageModuleFile();
+
 // Values cut to [0, 1] and rounded to the nearest of 256.
 ByteImage toBytes(const Image& image);
 

@@ -1,8 +1,11 @@
 #include "pipeline/pack/output_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <string>
@@ -11,6 +14,8 @@
 
 namespace furrow::pipeline {
 namespace {
+
+constexpr std::string_view kSuffix = ".tmp";
 
 bool writeAll(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
@@ -22,35 +27,76 @@ bool writeAll(int descriptor, std::span<const std::byte> bytes) {
   return true;
 }
 
+// A temporary that has a name only once it is linked; open() and whatever follows tell faults by errno.
+class Temporary {
+ public:
+  explicit Temporary(const std::filesystem::path& file) {
+    static std::atomic<uint32_t> count = 0;
+    name_ = file.string() + '.' + std::to_string(::getpid()) + '-' + std::to_string(count++);
+    name_ += kSuffix;
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+      descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      named_ = descriptor_ >= 0;
+    }
+    if (descriptor_ >= 0) ::flock(descriptor_, LOCK_EX | LOCK_NB);
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  ~Temporary() {
+    const int error = errno;
+    if (named_) ::unlink(name_.c_str());
+    if (descriptor_ >= 0) ::close(descriptor_);
+    errno = error;
+  }
+
+  bool becomes(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    if (descriptor_ < 0 || !writeAll(descriptor_, bytes) || ::fsync(descriptor_) != 0) return false;
+    if (!named_) {
+      const std::string self = "/proc/self/fd/" + std::to_string(descriptor_);
+      if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) != 0) return false;
+      named_ = true;
+    }
+    if (::rename(name_.c_str(), file.c_str()) != 0) return false;
+    named_ = false;
+    return true;
+  }
+
+ private:
+  std::string name_;
+  int descriptor_ = -1;
+  bool named_ = false;
+};
+
+// Removes what killed writers of `file` left: temporaries that nobody holds a lock on.
+void removeLeftovers(const std::filesystem::path& file) {
+  const std::string prefix = file.filename().string() + '.';
+  std::error_code error;
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(kSuffix) || name.size() < prefix.size() + kSuffix.size())
+      continue;
+    const std::string number = name.substr(prefix.size(), name.size() - prefix.size() - kSuffix.size());
+    if (number.empty() || number.find_first_not_of("0123456789-") != std::string::npos) continue;
+    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(descriptor);
+  }
+}
+
 }  // namespace
 
 void writeFile(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  const auto fail = [&] {
+  std::error_code ignored;
+  removeLeftovers(file);
+  errno = EISDIR;
+  if (std::filesystem::is_directory(file, ignored) || !Temporary(file).becomes(file, bytes))
     throw Error(Exit::kEnvironment, file.string(),
                 std::string("cannot be written (") + std::strerror(errno) + ")",
                 "choose a folder that exists, may be written to and has room");
-  };
-  if (std::filesystem::is_directory(file)) {
-    errno = EISDIR;
-    fail();
-  }
-  const std::filesystem::path temporary = file.string() + "." + std::to_string(::getpid()) + ".tmp";
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) fail();
-  bool done = writeAll(descriptor, bytes) && ::fsync(descriptor) == 0;
-  int error = errno;
-  if (::close(descriptor) != 0 && done) {
-    done = false;
-    error = errno;
-  }
-  if (done && ::rename(temporary.c_str(), file.c_str()) != 0) {
-    done = false;
-    error = errno;
-  }
-  if (done) return;
-  ::unlink(temporary.c_str());
-  errno = error;
-  fail();
 }
 
 }  // namespace furrow::pipeline

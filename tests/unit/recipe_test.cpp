@@ -158,12 +158,12 @@ TEST_F(RecipeTest, ReadsEveryKey) {
 }
 
 // A key that the table has and the reader forgot would not be in kEverything either.
-void collectKeys(const RecipeShape& shape, std::set<std::string>& names) {
-  for (const RecipeKey& key : shape.keys) {
+void collectKeys(const JsonShape& shape, std::set<std::string>& names) {
+  for (const JsonKey& key : shape.keys) {
     names.insert(key.name);
     collectKeys(key.shape, names);
   }
-  for (const RecipeShape& inner : shape.inner) collectKeys(inner, names);
+  for (const JsonShape& inner : shape.inner) collectKeys(inner, names);
 }
 
 std::set<std::string> keysOf(const std::string& recipe) {
@@ -234,8 +234,11 @@ void expectCurrent(const char* name, const Current& current) {
     EXPECT_EQ(committed, wanted) << "run this test with FURROW_UPDATE=1 and commit " << file;
 }
 
-TEST_F(RecipeTest, TheCommittedSchemaIsThatOfTheParser) {
-  expectCurrent("recipe.schema.json", [](const std::string&) { return recipeSchemaText(); });
+TEST_F(RecipeTest, TheCommittedSchemasAreThoseOfTheParser) {
+  expectCurrent("recipe.schema.json",
+                [](const std::string&) { return schemaText(recipeShape(), "furrow recipe"); });
+  expectCurrent("manifest.schema.json",
+                [](const std::string&) { return schemaText(manifestShape(), "furrow manifest"); });
 }
 
 TEST_F(RecipeTest, TheTablesOfTheDocumentationAreThoseOfTheParser) {
@@ -302,7 +305,7 @@ TEST_F(RecipeTest, SyntaxErrorsSayWhere) {
   EXPECT_THAT(errorOf("{\"layers\": NaN}"), testing::StartsWith("line 1, column 12: "));
   EXPECT_THAT(errorOf("\"\xff\""), testing::StartsWith("line 1, column 2: "));
   EXPECT_THAT(errorOf("{\"a\nb\": 1}"), testing::StartsWith("line "));
-  EXPECT_EQ(errorOf(std::string(100000, '[')), "is nested too deeply: recipes nest a few levels");
+  EXPECT_EQ(errorOf(std::string(100000, '[')), "is nested too deeply: a recipe nests a few levels");
   EXPECT_EQ(errorOf(R"({"layers": [{"name": "a", "name": "b"}]})"),
             "the key \"name\" stands twice in one object: keep one");
 }

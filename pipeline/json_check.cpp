@@ -1,18 +1,20 @@
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <fstream>
+#include <iterator>
 #include <numeric>
+#include <set>
 
 #include "pipeline/error.h"
-#include "pipeline/recipe_schema.h"
+#include "pipeline/json_shape.h"
 
 namespace furrow::pipeline {
 
 namespace {
 
 using json = nlohmann::json;
-using Shape = RecipeShape;
-using Kind = RecipeShape::Kind;
+using Shape = JsonShape;
+using Kind = JsonShape::Kind;
 
 std::string inQuotes(const std::string& text) {
   return '"' + text + '"';
@@ -86,11 +88,86 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+std::string readText(const std::filesystem::path& file, const std::string& kind) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code ignored;
+  if (!stream || std::filesystem::is_directory(file, ignored))
+    throw Error(Exit::kBadData, file.string(), "cannot be opened", "give a " + kind + " that can be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Finds what json::parse() leaves out: where an error is, and keys that stand twice.
+class SyntaxCheck : public nlohmann::json_sax<json> {
+ public:
+  SyntaxCheck(const std::string& text, const std::filesystem::path& file, const std::string& kind)
+      : text_(text), file_(file), kind_(kind) {}
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_array(size_t) override { return open(); }
+  bool end_array() override { return close(); }
+  bool start_object(size_t) override { return open(); }
+  bool end_object() override { return close(); }
+
+  bool key(string_t& name) override {
+    if (!keys_.back().insert(name).second)
+      throw Error(Exit::kBadData, file_.string(), "the key \"" + name + "\" stands twice in one object",
+                  "keep one");
+    return true;
+  }
+
+  bool parse_error(size_t position, const std::string& token,
+                   const nlohmann::detail::exception& error) override {
+    size_t end = std::min(position == 0 ? 0 : position - 1, text_.size());
+    auto before = text_.begin() + static_cast<std::ptrdiff_t>(end);
+    auto line = 1 + std::count(text_.begin(), before, '\n');
+    size_t line_begin = text_.rfind('\n', end == 0 ? 0 : end - 1);
+    size_t column = end - (line == 1 ? 0 : line_begin + 1) + 1;
+    // The library's own text is "[json.exception...] parse error at line ..., column ...: what"; a number out
+    // of range has none of that.
+    std::string what = error.what();
+    size_t colon = what.find(": ");
+    what = colon == std::string::npos ? "the number " + token + " is too large" : what.substr(colon + 2);
+    std::replace_if(
+        what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+    throw Error(Exit::kBadData, file_.string(),
+                "line " + std::to_string(line) + ", column " + std::to_string(column) + ": " + what,
+                "a " + kind_ + " is JSON, in which comments are allowed");
+  }
+
+ private:
+  static constexpr size_t kMaxDepth = 64;
+
+  bool open() {
+    if (keys_.size() == kMaxDepth)
+      throw Error(Exit::kBadData, file_.string(), "is nested too deeply",
+                  "a " + kind_ + " nests a few levels");
+    keys_.emplace_back();
+    return true;
+  }
+  bool close() {
+    keys_.pop_back();
+    return true;
+  }
+
+  const std::string& text_;
+  const std::filesystem::path& file_;
+  const std::string& kind_;
+  std::vector<std::set<std::string>> keys_;
+};
+
 class Checker {
  public:
-  explicit Checker(const std::filesystem::path& recipe) : recipe_(recipe) {}
+  Checker(const std::filesystem::path& file, const std::string& kind) : file_(file), kind_(kind) {}
 
-  void check(const json& value, const Shape& shape, const std::string& path) const {
+  std::vector<std::filesystem::path> files;  // that were met
+
+  void check(const json& value, const Shape& shape, const std::string& path) {
     if (!hasType(value, shape)) failValue(value, shape, path);
     switch (shape.kind) {
       case Kind::kText:
@@ -139,10 +216,10 @@ class Checker {
 
  private:
   [[noreturn]] void fail(const std::string& path, const std::string& wrong, const std::string& remedy) const {
-    throw Error(Exit::kBadData, recipe_.string(), path.empty() ? wrong : path + ": " + wrong, remedy);
+    throw Error(Exit::kBadData, file_.string(), path.empty() ? wrong : path + ": " + wrong, remedy);
   }
-  [[noreturn]] void failValue(const json& value, const Shape& shape, const std::string& path) const {
-    fail(path, path.empty() ? "the recipe is " + shown(value) : "is " + shown(value),
+  [[noreturn]] void failValue(const json& value, const Shape& shape, const std::string& path) {
+    fail(path, path.empty() ? "the " + kind_ + " is " + shown(value) : "is " + shown(value),
          "give " + describe(shape));
   }
 
@@ -150,17 +227,18 @@ class Checker {
     return path.empty() ? key : path + '.' + key;
   }
 
-  void checkFile(const json& value, const Shape& shape, const std::string& path) const {
+  void checkFile(const json& value, const Shape& shape, const std::string& path) {
     const auto& name = value.get_ref<const std::string&>();
     if (name.empty() || name.find('\0') != std::string::npos) failValue(value, shape, path);
-    std::filesystem::path found = recipePath(recipe_, name);
+    std::filesystem::path found = pathIn(file_, name);
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(found, ignored))
-      fail(path, "no such file " + found.string(), "paths are relative to the recipe");
+      fail(path, "no such file " + found.string(), "paths are relative to the " + kind_);
+    files.push_back(std::move(found));
   }
 
   // A string that is none of the words is judged by all alternatives, so that the message names them all.
-  void checkEither(const json& value, const Shape& shape, const std::string& path) const {
+  void checkEither(const json& value, const Shape& shape, const std::string& path) {
     for (const Shape& s : shape.inner) {
       if (!hasType(value, s)) continue;
       if (s.kind == Kind::kWord && !contains(s.words, value.get_ref<const std::string&>()))
@@ -169,10 +247,10 @@ class Checker {
     }
   }
 
-  void checkObject(const json& value, const Shape& shape, const std::string& path) const {
+  void checkObject(const json& value, const Shape& shape, const std::string& path) {
     for (const auto& [name, item] : value.items()) {
       if (std::none_of(shape.keys.begin(), shape.keys.end(),
-                       [&, &n = name](const RecipeKey& k) { return k.name == n; }))
+                       [&, &n = name](const JsonKey& k) { return k.name == n; }))
         failUnknown(name, shape, path);
     }
     if (!shape.forms.empty()) {
@@ -182,12 +260,12 @@ class Checker {
       if (given.empty()) fail(path, "says nothing", "give " + describe(shape));
       if (given.size() > 1)
         fail(path, "has both " + inQuotes(given[0]) + " and " + inQuotes(given[1]), "give one of them");
-      for (const RecipeKey& key : shape.keys)
+      for (const JsonKey& key : shape.keys)
         if (!key.form.empty() && key.form != given[0] && value.contains(key.name))
           fail(below(path, key.name), "does not go with " + inQuotes(given[0]),
                "it goes with " + inQuotes(key.form));
     }
-    for (const RecipeKey& key : shape.keys) {
+    for (const JsonKey& key : shape.keys) {
       auto found = value.find(key.name);
       if (found != value.end())
         check(*found, key.shape, below(path, key.name));
@@ -196,21 +274,22 @@ class Checker {
     }
   }
 
-  [[noreturn]] void failUnknown(const std::string& name, const Shape& shape, const std::string& path) const {
+  [[noreturn]] void failUnknown(const std::string& name, const Shape& shape, const std::string& path) {
     if (shape.keys.empty()) fail(below(path, name), "no such key", "give an empty object");
     auto nearest =
-        std::min_element(shape.keys.begin(), shape.keys.end(), [&](const RecipeKey& a, const RecipeKey& b) {
+        std::min_element(shape.keys.begin(), shape.keys.end(), [&](const JsonKey& a, const JsonKey& b) {
           return editDistance(name, a.name) < editDistance(name, b.name);
         });
     fail(below(path, name), "no such key", "did you mean " + inQuotes(nearest->name) + "?");
   }
 
-  const std::filesystem::path& recipe_;
+  const std::filesystem::path& file_;
+  const std::string& kind_;
 };
 
 }  // namespace
 
-std::string describe(const RecipeShape& shape) {
+std::string describe(const JsonShape& shape) {
   switch (shape.kind) {
     case Kind::kText:
       return "a text that is not empty";
@@ -249,13 +328,20 @@ std::string describe(const RecipeShape& shape) {
   return {};
 }
 
-std::filesystem::path recipePath(const std::filesystem::path& file, const std::string& text) {
+std::filesystem::path pathIn(const std::filesystem::path& file, const std::string& text) {
   std::filesystem::path named(std::u8string(text.begin(), text.end()));
   return (std::filesystem::absolute(file).parent_path() / named).lexically_normal();
 }
 
-void checkRecipe(const json& recipe, const std::filesystem::path& file) {
-  Checker(file).check(recipe, recipeShape(), "");
+JsonFile readJson(const std::filesystem::path& file, const JsonShape& shape, const char* kind) {
+  const std::string text = readText(file, kind), word = kind;
+  SyntaxCheck syntax(text, file, word);
+  json::sax_parse(text, &syntax, nlohmann::detail::input_format_t::json, true, true);
+  JsonFile read{json::parse(text, nullptr, true, true), {}};
+  Checker checker(file, word);
+  checker.check(read.value, shape, "");
+  read.files = std::move(checker.files);
+  return read;
 }
 
 }  // namespace furrow::pipeline

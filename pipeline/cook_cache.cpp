@@ -1,0 +1,178 @@
+#include "pipeline/cook_cache.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <span>
+#include <variant>
+
+#include "furrow/asset.h"
+#include "pipeline/error.h"
+#include "pipeline/import/formats.h"
+#include "pipeline/import/import.h"
+#include "pipeline/maps/image.h"
+#include "pipeline/pack/output_file.h"
+#include "pipeline/recipe.h"
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr char kMagic[8] = {'f', 'u', 'r', 'r', 'o', 'w', 'c', '1'};
+
+// An entry is this, the warnings as lines, and the asset.
+struct EntryHeader {
+  char magic[8];
+  uint64_t warning_bytes;
+  uint64_t hash[2];  // of what follows
+};
+
+void setHash(EntryHeader& header, std::span<const std::byte> payload) {
+  const XXH128_hash_t hash = XXH3_128bits_withSeed(payload.data(), payload.size(), header.warning_bytes);
+  header.hash[0] = hash.low64;
+  header.hash[1] = hash.high64;
+}
+
+// Hashes values one behind the other, each with its length, so that no two lists look the same.
+class Hasher {
+ public:
+  Hasher() { XXH3_128bits_reset(state_.get()); }
+
+  void add(const void* bytes, size_t size) {
+    const uint64_t length = size;
+    XXH3_128bits_update(state_.get(), &length, sizeof length);
+    XXH3_128bits_update(state_.get(), bytes, size);
+  }
+  void add(const std::string& text) { add(text.data(), text.size()); }
+  void addFile(const std::filesystem::path& file) {
+    const std::vector<uint8_t> bytes = readBytes(file);
+    add(bytes.data(), bytes.size());
+  }
+
+  std::string digits() const {
+    const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
+    char text[33];
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
+    return text;
+  }
+
+ private:
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  std::unique_ptr<XXH3_state_t, Free> state_{XXH3_createState()};
+};
+
+// Of this program, so that builds of one version that differ do not take each other's assets.
+const std::string& toolKey() {
+  static const std::string key = [] {
+    Hasher hasher;
+    hasher.add(FURROW_VERSION);
+    hasher.add(std::to_string(kFormatVersion));
+    hasher.addFile(std::filesystem::read_symlink("/proc/self/exe"));
+    hasher.addFile(imageModuleFile());
+    return hasher.digits();
+  }();
+  return key;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> filesOf(const CookRequest& request) {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const std::vector<std::filesystem::path>& more) {
+    files.insert(files.end(), more.begin(), more.end());
+  };
+  if (!request.source.base.empty()) add(importedFiles(request.source.base));
+  if (!request.source.pattern.empty()) add(sequenceFiles(request.source.pattern));
+  if (!request.recipe.empty()) {
+    const Recipe recipe = readRecipe(request.recipe);
+    files.push_back(recipe.file);
+    add(recipe.files);
+    if (const auto* rest = std::get_if<RestFile>(&recipe.rest)) add(importedFiles(rest->file));
+  }
+  return files;
+}
+
+std::string cookKey(const CookRequest& request, const std::vector<std::filesystem::path>& files) {
+  Hasher hasher;
+  hasher.add(toolKey());
+  hasher.add(std::string(request.geometry == GeometryCodec::kRaw ? "raw" : "draco") +
+             (request.source.base.empty() ? "" : " base") + (request.source.pattern.empty() ? "" : " frames") +
+             (request.recipe.empty() ? "" : " recipe"));
+  hasher.add(&request.source.fps, sizeof request.source.fps);
+  for (const std::filesystem::path& file : files) {
+    hasher.add(file.filename().string());
+    hasher.addFile(file);
+  }
+  return hasher.digits();
+}
+
+std::filesystem::path CookCache::file(const std::string& key) const {
+  return folder_ / key.substr(0, 2) / key.substr(2);
+}
+
+std::optional<CookCache::Entry> CookCache::find(const std::string& key) const {
+  std::ifstream in(file(key), std::ios::binary);
+  EntryHeader header{}, wanted{};
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(file(key), error);
+  if (!in || error || size < sizeof header) return std::nullopt;
+  std::vector<std::byte> payload(static_cast<size_t>(size) - sizeof header);
+  in.read(reinterpret_cast<char*>(&header), sizeof header);
+  in.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
+  std::memcpy(wanted.magic, kMagic, sizeof kMagic);
+  wanted.warning_bytes = header.warning_bytes;
+  setHash(wanted, payload);
+  if (!in || std::memcmp(&header, &wanted, sizeof header) != 0 || header.warning_bytes > payload.size())
+    return std::nullopt;
+
+  Entry entry;
+  const auto asset = payload.begin() + static_cast<std::ptrdiff_t>(header.warning_bytes);
+  std::string line;
+  for (auto byte = payload.begin(); byte != asset; ++byte) {
+    if (*byte != std::byte{'\n'}) {
+      line += static_cast<char>(*byte);
+      continue;
+    }
+    entry.warnings.push_back(std::move(line));
+    line.clear();
+  }
+  entry.bytes.assign(asset, payload.end());
+  std::filesystem::last_write_time(file(key), std::filesystem::file_time_type::clock::now(), error);
+  return entry;
+}
+
+void CookCache::store(const std::string& key, const Entry& entry) const {
+  std::string warnings;
+  for (const std::string& warning : entry.warnings) warnings += warning + '\n';
+  EntryHeader header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.warning_bytes = warnings.size();
+  std::vector<std::byte> bytes(sizeof header);
+  const std::span<const std::byte> text = std::as_bytes(std::span(warnings));
+  bytes.insert(bytes.end(), text.begin(), text.end());
+  bytes.insert(bytes.end(), entry.bytes.begin(), entry.bytes.end());
+  setHash(header, std::span(bytes).subspan(sizeof header));
+  std::memcpy(bytes.data(), &header, sizeof header);
+  std::error_code ignored;
+  std::filesystem::create_directories(file(key).parent_path(), ignored);
+  writeFile(file(key), bytes);
+}
+
+std::filesystem::path defaultCacheFolder() {
+  const auto variable = [](const char* name) -> std::filesystem::path {
+    const char* const value = std::getenv(name);
+    return value ? value : "";
+  };
+  if (const auto cache = variable("XDG_CACHE_HOME"); cache.is_absolute()) return cache / "furrow";
+  if (const auto home = variable("HOME"); home.is_absolute()) return home / ".cache" / "furrow";
+  return {};
+}
+
+}  // namespace furrow::pipeline
