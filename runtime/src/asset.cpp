@@ -129,6 +129,8 @@ class Loader {
       out.has_uvs = part->has_uvs();
       out.roughness = part->roughness();
       if (!(out.roughness >= 0.0f && out.roughness <= 1.0f)) return bad("a part's roughness is out of range");
+      out.position_offset = geometry.position_offset;
+      out.position_step = geometry.position_step;
       append(geometry, out.vertex_begin, part->palette_begin());
       if (vertices() >= kAbsent || s_.geometry.indices.size() >= kAbsent) return bad("too many vertices");
       out.vertex_end = static_cast<uint32_t>(vertices());

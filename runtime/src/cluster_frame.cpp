@@ -3,7 +3,6 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/cluster_frame.cpp"
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -13,67 +12,18 @@
 #include <cstring>
 
 #include "src/cluster_kernels.h"
-#include "src/response_math.h"
+#include "src/lanes-inl.h"
+#include "src/respond-inl.h"
+#include "src/skin-inl.h"
+#include "src/targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace furrow {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr float kUnorm16 = 1.0f / 65535.0f;
-
 #if HWY_TARGET == HWY_SCALAR
 
-// Four floats without SIMD.
-constexpr uint32_t kBlocks = 1;
-struct Lanes {
-  float v[4];
-};
-template <typename Function>
-HWY_INLINE Lanes each(Function f) {
-  return {{f(0), f(1), f(2), f(3)}};
-}
-HWY_INLINE Lanes load(const float* p) {
-  return {{p[0], p[1], p[2], p[3]}};
-}
-HWY_INLINE void store(Lanes a, float* p) {
-  std::copy(a.v, a.v + 4, p);
-}
-HWY_INLINE Lanes all(float x) {
-  return {{x, x, x, x}};
-}
-HWY_INLINE Lanes operator+(Lanes a, Lanes b) {
-  return each([&](int i) { return a.v[i] + b.v[i]; });
-}
-HWY_INLINE Lanes operator-(Lanes a, Lanes b) {
-  return each([&](int i) { return a.v[i] - b.v[i]; });
-}
-HWY_INLINE Lanes operator*(Lanes a, Lanes b) {
-  return each([&](int i) { return a.v[i] * b.v[i]; });
-}
-HWY_INLINE Lanes root(Lanes a) {
-  return each([&](int i) { return std::sqrt(a.v[i]); });
-}
-// q clamped to [0, kMaxQ], 1 where it is not a number.
-HWY_INLINE Lanes clampQ(Lanes q) {
-  return each([&](int i) { return q.v[i] >= 0.0f ? std::min(q.v[i], kMaxQ) : 1.0f; });
-}
-// a / b, 1 where b is not positive.
-HWY_INLINE Lanes meanOrOne(Lanes a, Lanes b) {
-  return each([&](int i) { return b.v[i] > 0.0f ? a.v[i] / b.v[i] : 1.0f; });
-}
-template <int kLane>
-HWY_INLINE Lanes spread(Lanes a) {
-  return all(a.v[kLane]);
-}
-HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
-  const Lanes m[4] = {a, b, c, d};
-  Lanes* out[4] = {&a, &b, &c, &d};
-  for (int row = 0; row < 4; ++row)
-    for (int k = 0; k < 4; ++k) out[row]->v[k] = m[k].v[row];
-}
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
   return load(positions + corner[0]);
 }
@@ -82,62 +32,36 @@ HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
 struct Ring {
   Lanes low = all(0.0f), high = all(0.0f);
 };
-HWY_INLINE Lanes widened(const uint16_t* p) {
-  return each([&](int i) { return static_cast<float>(p[i]); });
-}
 HWY_INLINE Lanes gather(const float* from, const uint16_t* index) {
   return each([&](int i) { return from[index[i]]; });
 }
 HWY_INLINE void addStep(Ring& sum, const float* triangle_q, const uint16_t* entry) {
-  sum.low = sum.low + widened(entry + kRingLanes) * gather(triangle_q, entry);
-  sum.high = sum.high + widened(entry + kRingLanes + 4) * gather(triangle_q, entry + 4);
+  sum.low = sum.low + fromUint16(entry + kRingLanes) * gather(triangle_q, entry);
+  sum.high = sum.high + fromUint16(entry + kRingLanes + 4) * gather(triangle_q, entry + 4);
 }
-HWY_INLINE void storeMean(const Ring& sum, const uint16_t* totals, float* q) {
-  store(meanOrOne(sum.low, widened(totals)), q);
-  store(meanOrOne(sum.high, widened(totals + 4)), q + 4);
+HWY_INLINE void storeSums(const Ring& sum, float* out) {
+  store(sum.low, out);
+  store(sum.high, out + 4);
+}
+
+// Of eight points and four layers.
+struct RingPack {
+  Lanes sum[kRingLanes];
+  RingPack() { std::fill_n(sum, kRingLanes, all(0.0f)); }
+};
+HWY_INLINE void addStep(RingPack& ring, const float* triangle_q, const uint16_t* entry) {
+  for (uint32_t i = 0; i < kRingLanes; ++i)
+    ring.sum[i] = ring.sum[i] + all(static_cast<float>(entry[kRingLanes + i])) *
+                                    load(triangle_q + kPack * size_t{entry[i]});
+}
+HWY_INLINE void storeSums(RingPack& ring, float* out, size_t step) {
+  for (uint32_t i = 0; i < kRingLanes; i += 4) {
+    transpose(ring.sum[i], ring.sum[i + 1], ring.sum[i + 2], ring.sum[i + 3]);
+    for (uint32_t l = 0; l < kPack; ++l) store(ring.sum[i + l], out + l * step + i);
+  }
 }
 
 #else
-
-// One to four blocks of four floats.
-using D = hn::CappedTag<float, 16>;
-using D4 = hn::FixedTag<float, 4>;
-constexpr uint32_t kBlocks = HWY_MAX_BYTES >= 64 ? 4 : HWY_MAX_BYTES >= 32 ? 2 : 1;
-using Lanes = hn::Vec<D>;
-using Block = hn::Vec<D4>;
-HWY_INLINE Lanes load(const float* p) {
-  return hn::LoadU(D(), p);
-}
-HWY_INLINE void store(Lanes a, float* p) {
-  hn::StoreU(a, D(), p);
-}
-HWY_INLINE Lanes all(float x) {
-  return hn::Set(D(), x);
-}
-HWY_INLINE Lanes root(Lanes a) {
-  return hn::Sqrt(a);
-}
-// q clamped to [0, kMaxQ], 1 where it is not a number.
-HWY_INLINE Lanes clampQ(Lanes q) {
-  return hn::IfThenElse(q >= hn::Zero(D()), hn::Min(q, all(kMaxQ)), all(1.0f));
-}
-template <int kLane>
-HWY_INLINE Lanes spread(Lanes a) {
-  return hn::Broadcast<kLane>(a);
-}
-// In each block.
-template <typename Tag, typename V>
-HWY_INLINE void transposeBlocks(Tag d, V& a, V& b, V& c, V& e) {
-  const V ac0 = hn::InterleaveLower(d, a, c), ac1 = hn::InterleaveUpper(d, a, c);
-  const V be0 = hn::InterleaveLower(d, b, e), be1 = hn::InterleaveUpper(d, b, e);
-  a = hn::InterleaveLower(d, ac0, be0);
-  b = hn::InterleaveUpper(d, ac0, be0);
-  c = hn::InterleaveLower(d, ac1, be1);
-  e = hn::InterleaveUpper(d, ac1, be1);
-}
-HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
-  transposeBlocks(D(), a, b, c, d);
-}
 
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
@@ -155,19 +79,14 @@ HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
 
 // Of eight points, in one vector or two.
 using DRing = hn::CappedTag<float, 8>;
-using RingLanes = hn::Vec<DRing>;
+using RingVector = hn::Vec<DRing>;
 constexpr size_t kRingWidth = HWY_MAX_BYTES >= 32 ? 8 : 4;
 struct Ring {
-  RingLanes sum[8 / kRingWidth];
+  RingVector sum[8 / kRingWidth];
   HWY_INLINE Ring() {
-    for (RingLanes& s : sum) s = hn::Zero(DRing());
+    for (RingVector& s : sum) s = hn::Zero(DRing());
   }
 };
-HWY_INLINE RingLanes widened(const uint16_t* p) {
-  const hn::Rebind<uint16_t, DRing> d16;
-  const hn::Rebind<int32_t, DRing> d32;
-  return hn::ConvertTo(DRing(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
-}
 HWY_INLINE Block gather4(const float* from, const uint16_t* index) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128  // four loads: gather instructions are slower on most CPUs
   uint64_t four;
@@ -179,169 +98,220 @@ HWY_INLINE Block gather4(const float* from, const uint16_t* index) {
   return hn::LoadU(D4(), values);
 #endif
 }
-HWY_INLINE RingLanes gather(const float* from, const uint16_t* index) {
+HWY_INLINE RingVector gather(const float* from, const uint16_t* index) {
 #if HWY_MAX_BYTES >= 32
   return hn::Combine(DRing(), gather4(from, index + 4), gather4(from, index));
 #else
   return gather4(from, index);
 #endif
 }
+HWY_INLINE RingVector ringWeights(const uint16_t* p) {
+  const hn::Rebind<uint16_t, DRing> d16;
+  const hn::Rebind<int32_t, DRing> d32;
+  return hn::ConvertTo(DRing(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
+}
 HWY_INLINE void addStep(Ring& ring, const float* triangle_q, const uint16_t* entry) {
   for (size_t i = 0; i < 8 / kRingWidth; ++i)
-    ring.sum[i] = ring.sum[i] +
-                  widened(entry + kRingLanes + kRingWidth * i) * gather(triangle_q, entry + kRingWidth * i);
+    ring.sum[i] = ring.sum[i] + ringWeights(entry + kRingLanes + kRingWidth * i) *
+                                    gather(triangle_q, entry + kRingWidth * i);
 }
-// The mean, 1 where the total is 0.
-HWY_INLINE void storeMean(const Ring& ring, const uint16_t* totals, float* q) {
-  for (size_t i = 0; i < 8 / kRingWidth; ++i) {
-    const RingLanes total = widened(totals + kRingWidth * i);
-    hn::StoreU(hn::IfThenElse(total > hn::Zero(DRing()), ring.sum[i] / total, hn::Set(DRing(), 1.0f)),
-               DRing(), q + kRingWidth * i);
+HWY_INLINE void storeSums(const Ring& ring, float* out) {
+  for (size_t i = 0; i < 8 / kRingWidth; ++i) hn::StoreU(ring.sum[i], DRing(), out + kRingWidth * i);
+}
+
+// Of eight points and four layers.
+struct RingPack {
+  Block sum[kRingLanes];
+  HWY_INLINE RingPack() {
+    for (Block& s : sum) s = hn::Zero(D4());
+  }
+};
+HWY_INLINE void addStep(RingPack& ring, const float* triangle_q, const uint16_t* entry) {
+  alignas(32) float weights[kRingLanes];
+  for (size_t i = 0; i < 8 / kRingWidth; ++i)
+    hn::Store(ringWeights(entry + kRingLanes + kRingWidth * i), DRing(), weights + kRingWidth * i);
+  for (uint32_t i = 0; i < kRingLanes; ++i)
+    ring.sum[i] =
+        ring.sum[i] + hn::Set(D4(), weights[i]) * hn::LoadU(D4(), triangle_q + kPack * size_t{entry[i]});
+}
+HWY_INLINE void storeSums(RingPack& ring, float* out, size_t step) {
+  const D4 d;
+  for (uint32_t i = 0; i < kRingLanes; i += 4) {
+    const Block* s = ring.sum + i;
+    const Block ac0 = hn::InterleaveLower(d, s[0], s[2]), ac1 = hn::InterleaveUpper(d, s[0], s[2]);
+    const Block be0 = hn::InterleaveLower(d, s[1], s[3]), be1 = hn::InterleaveUpper(d, s[1], s[3]);
+    hn::StoreU(hn::InterleaveLower(d, ac0, be0), d, out + i);
+    hn::StoreU(hn::InterleaveUpper(d, ac0, be0), d, out + step + i);
+    hn::StoreU(hn::InterleaveLower(d, ac1, be1), d, out + 2 * step + i);
+    hn::StoreU(hn::InterleaveUpper(d, ac1, be1), d, out + 3 * step + i);
   }
 }
 
 #endif
 
-constexpr uint32_t kFetchEvery = 4;  // neighbouring slots mostly share a cache line
-
-// x, y, z and anything; the last vertex of an array must not be read beyond.
-HWY_INLINE void copyPosition(const std::byte* from, bool last, float* to) {
-  if (last) {
-    std::memcpy(to, from, sizeof(Float3));
-    to[3] = 0.0f;
-  } else {
-    std::memcpy(to, from, sizeof(Float4));
+// The memory of the next cluster is fetched while one is worked on, in equal steps, into the second cache:
+// the first is full of the cluster at hand.
+class Ahead {
+ public:
+  Ahead(const ClusterFrameJob& job, const Cluster& c, const Cluster& next) : job_(job) {
+    const uint32_t steps = c.triangles / kTriangleLanes + (c.points + kRingLanes - 1) / kRingLanes;
+    const uint32_t* words = job.clusters->words.data();
+    word_ = words + (job.posed ? next.slot_vertex : next.pose);
+    words_end_ = words + next.end;
+    lines_ = static_cast<uint32_t>(words_end_ - word_) / kLineWords / steps + 1;
+    vertex_ = words + next.slot_vertex;
+    vertices_end_ = vertex_ + (job.posed ? next.slots : 0);
+    vertices_ = static_cast<uint32_t>(vertices_end_ - vertex_) / steps + 1;
   }
-}
+  HWY_INLINE void step() {
+    for (uint32_t i = 0; i < lines_ && word_ < words_end_; ++i, word_ += kLineWords) fetch(word_);
+    for (uint32_t i = 0; i < vertices_ && vertex_ < vertices_end_; ++i, ++vertex_)
+      fetch(job_.posed + *vertex_ * job_.posed_stride);
+  }
 
-HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, const Cluster& next,
-                                  float* out) {
+ private:
+  HWY_INLINE static void fetch(const void* at) {
+#if HWY_ARCH_X86
+    _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T1);
+#else
+    hwy::Prefetch(at);
+#endif
+  }
+  const ClusterFrameJob& job_;
+  const uint32_t *word_, *words_end_, *vertex_, *vertices_end_;
+  uint32_t lines_, vertices_;
+};
+
+// x, y, z and anything; the last vertex of the host's array must not be read beyond.
+HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
   const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
-  const uint32_t* soon = &job.clusters->words[next.slot_vertex];
   const uint32_t last = job.clusters->asset->vertexCount() - 1;
-  for (uint32_t s = 0; s < next.slots; s += kFetchEvery)
-    hwy::Prefetch(job.posed + soon[s] * job.posed_stride);
-  for (uint32_t s = 0; s < c.slots; ++s)
-    copyPosition(job.posed + vertex[s] * job.posed_stride, vertex[s] == last, out + 4 * size_t{s});
+  for (uint32_t s = 0; s < c.slots; ++s, out += 4) {
+    const std::byte* from = job.posed + vertex[s] * job.posed_stride;
+    if (vertex[s] == last) {
+      std::memcpy(out, from, sizeof(Float3));
+      out[3] = 0.0f;
+    } else {
+      std::memcpy(out, from, sizeof(Float4));
+    }
+  }
 }
 
-HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, const Cluster& next, float* out) {
-  const Clusters& clusters = *job.clusters;
-  const AssetView& asset = *clusters.asset;
-  const uint32_t* vertex = &clusters.words[c.slot_vertex];
-  const uint32_t* soon = &clusters.words[next.slot_vertex];
-  const uint32_t last = asset.vertexCount() - 1;
-  for (uint32_t s = 0; s < next.slots; s += kFetchEvery) {
-    hwy::Prefetch(&asset.positions[soon[s]]);
-    hwy::Prefetch(&asset.joints[size_t{soon[s]} * asset.influences]);
-    hwy::Prefetch(&asset.weights[size_t{soon[s]} * asset.influences]);
+// Positions of kPoseLanes slots by coordinate: theirs begin at 0, kPoseLanes and 2 * kPoseLanes.
+HWY_INLINE void unpackRest(const RestHeader& rest, const uint32_t* group, float* out) {
+  if (!rest.quantized) {
+    std::memcpy(out, group, 3 * kPoseLanes * sizeof(float));
+    return;
   }
-  for (uint32_t s = 0; s < c.slots; ++s)
-    copyPosition(reinterpret_cast<const std::byte*>(&asset.positions[vertex[s]]), vertex[s] == last,
-                 out + 4 * size_t{s});
+  const auto* steps = reinterpret_cast<const uint16_t*>(group);
+  for (uint32_t k = 0; k < 3; ++k)
+    for (uint32_t i = k * kPoseLanes; i < (k + 1) * kPoseLanes; i += kWidth)
+      store(all(rest.offset[k]) + all(rest.step) * fromUint16(steps + i, rest.first[k]), out + i);
+}
 
+// unorm16, the first of each slot being what the others leave of 65535: kPoseLanes an influence.
+HWY_INLINE void unpackWeights(const uint16_t* packed, uint32_t influences, float* out) {
+  for (uint32_t i = 0; i < kPoseLanes; i += kWidth) {
+    Lanes first = all(65535.0f);
+    for (uint32_t k = 1; k < influences; ++k) {
+      const Lanes w = fromUint16(packed + (k - 1) * kPoseLanes + i);
+      first = first - w;
+      store(w * all(kUnorm16), out + k * kPoseLanes + i);
+    }
+    store(first * all(kUnorm16), out + i);
+  }
+}
+
+// Adds the active morph targets to positions by coordinate.
+bool addMorphs(const ClusterFrameJob& job, const Cluster& c, const RestHeader& rest, const uint32_t* group,
+               uint32_t group_words, float* out) {
+  const Clusters& clusters = *job.clusters;
   const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
-  for (uint32_t r = clusters.morph_run_begin[index]; r < clusters.morph_run_begin[index + 1]; ++r) {
-    const Clusters::MorphRun& run = clusters.morph_runs[r];
-    if (job.morph_weights[run.morph] == 0.0f) continue;
-    const Morph& morph = asset.morphs[run.morph];
+  const auto runs = std::span(clusters.morph_runs)
+                        .subspan(clusters.morph_run_begin[index],
+                                 clusters.morph_run_begin[index + 1] - clusters.morph_run_begin[index]);
+  const auto active = [&](const Clusters::MorphRun& run) { return job.morph_weights[run.morph] != 0.0f; };
+  if (std::none_of(runs.begin(), runs.end(), active)) return false;
+  for (uint32_t s = 0; s < c.slots; s += kPoseLanes, group += group_words)
+    unpackRest(rest, group, out + 4 * size_t{s});
+  for (const Clusters::MorphRun& run : runs) {
+    if (!active(run)) continue;
+    const Morph& morph = clusters.asset->morphs[run.morph];
     const float step = job.morph_weights[run.morph] * morph.position_step;
     for (uint32_t i = run.begin; i < run.end; ++i) {
-      float* p = out + 4 * size_t{clusters.morph_slots[i]};
+      const size_t slot = clusters.morph_slots[i];
+      float* p = out + 4 * (slot / kPoseLanes * kPoseLanes) + slot % kPoseLanes;
       const int32_t* delta = &morph.position_deltas[3 * size_t{clusters.morph_index[i]}];
-      for (int k = 0; k < 3; ++k) p[k] = p[k] + step * static_cast<float>(delta[k]);
+      for (size_t k = 0; k < 3; ++k)
+        p[k * kPoseLanes] = p[k * kPoseLanes] + step * static_cast<float>(delta[k]);
     }
   }
-
-  const uint32_t influences = asset.influences;
-  for (uint32_t s = 0; s < c.slots; ++s) {
-    const uint16_t* joint = &asset.joints[size_t{vertex[s]} * influences];
-    const uint16_t* weight = &asset.weights[size_t{vertex[s]} * influences];
-#if HWY_TARGET == HWY_SCALAR
-    using Row = Lanes;
-    const auto row = [](const float* p) { return load(p); };
-    const auto fill = [](float x) { return all(x); };
-#else
-    using Row = Block;
-    const auto row = [](const float* p) { return hn::LoadU(D4(), p); };
-    const auto fill = [](float x) { return hn::Set(D4(), x); };
-#endif
-    Row row0 = fill(0.0f), row1 = row0, row2 = row0, row3 = row0;
-    for (uint32_t k = 0; k < influences; ++k) {
-      if (weight[k] == 0) continue;
-      const Row w = fill(static_cast<float>(weight[k]) * kUnorm16);
-      const float* m = job.palette[joint[k]].m;
-      row0 = row0 + w * row(m);
-      row1 = row1 + w * row(m + 4);
-      row2 = row2 + w * row(m + 8);
-    }
-    float* at = out + 4 * size_t{s};
-#if HWY_TARGET == HWY_SCALAR
-    transpose(row0, row1, row2, row3);
-    store(((row0 * all(at[0]) + row1 * all(at[1])) + row2 * all(at[2])) + row3, at);
-#else
-    transposeBlocks(D4(), row0, row1, row2, row3);
-    const Block p = row(at);
-    hn::StoreU(
-        ((row0 * hn::Broadcast<0>(p) + row1 * hn::Broadcast<1>(p)) + row2 * hn::Broadcast<2>(p)) + row3, D4(),
-        at);
-#endif
-  }
-  if (!job.positions.empty())
-    for (uint32_t s = 0; s < c.vertices; ++s)
-      std::memcpy(&job.positions[vertex[s]], out + 4 * size_t{s}, sizeof(Float3));
+  return true;
 }
 
+template <typename Joint>
+HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
+  const Clusters& clusters = *job.clusters;
+  const uint32_t influences = clusters.asset->influences;
+  RestHeader rest;
+  std::memcpy(&rest, &clusters.words[c.pose], sizeof rest);
+  const uint32_t* group = &clusters.words[c.pose] + kRestHeaderWords;
+  const uint32_t group_words = clusters.poseGroupWords(rest.quantized != 0);
+  const uint32_t rest_words = (rest.quantized ? 3 : 6) * kPoseLanes / 2;
+  const bool morphed = addMorphs(job, c, rest, group, group_words, out);
+  alignas(64) float weights[kMostInfluences * kPoseLanes];
+  for (uint32_t s = 0; s < c.slots; s += kPoseLanes, group += group_words, out += 4 * kPoseLanes) {
+    alignas(64) float p[3 * kPoseLanes];
+    if (morphed)
+      std::memcpy(p, out, sizeof p);
+    else
+      unpackRest(rest, group, p);
+    const auto* packed = reinterpret_cast<const uint16_t*>(group + rest_words);
+    const auto* joints = reinterpret_cast<const Joint*>(packed + (influences - 1) * kPoseLanes);
+    unpackWeights(packed, influences, weights);
+    for (uint32_t i = 0; i < kPoseLanes; i += kWidth) {
+      Lanes x = load(p + i), y = load(p + kPoseLanes + i), z = load(p + 2 * kPoseLanes + i), w = all(0.0f);
+      transformPoints(
+          blend(job.palette.data(), joints + i * influences, influences, weights + i, 1, kPoseLanes), x, y,
+          z);
+      transpose(x, y, z, w);
+      storeBlocks(x, out + 4 * i, 16);
+      storeBlocks(y, out + 4 * i + 4, 16);
+      storeBlocks(z, out + 4 * i + 8, 16);
+      storeBlocks(w, out + 4 * i + 12, 16);
+    }
+  }
+}
+
+// Edges of kWidth triangles by coordinate.
 struct Edges {
-  Lanes e1, e2;
-};
-HWY_INLINE Edges edges(const float* positions, const uint16_t* corner) {
-  const Lanes p0 = corners(positions, corner);
-  return {corners(positions, corner + 1) - p0, corners(positions, corner + 2) - p0};
-}
-
-// x + y + z of each triangle, from vectors that hold triangles i, i + 4, ... in their blocks.
-HWY_INLINE Lanes sums(Lanes a, Lanes b, Lanes c, Lanes d) {
-  transpose(a, b, c, d);
-  return (a + b) + c;
-}
-
-// A measure gives q of 4 * kBlocks triangles; all-zero coefficients give 0.
-struct Directional {
-  static constexpr uint32_t kCoefficients = 2;
-  template <int kLane>
-  HWY_INLINE static Lanes square(const float* positions, const uint16_t* corner, Lanes c0, Lanes c1) {
-    const Edges e = edges(positions, corner + 3 * kLane);
-    const Lanes v = spread<kLane>(c0) * e.e1 + spread<kLane>(c1) * e.e2;
-    return v * v;
-  }
-  HWY_INLINE static Lanes of(const float* positions, const uint16_t* corner, const float* c,
-                             Lanes inverse_scale2) {
-    const Lanes c0 = load(c), c1 = load(c + kTriangleLanes);
-    return sums(square<0>(positions, corner, c0, c1), square<1>(positions, corner, c0, c1),
-                square<2>(positions, corner, c0, c1), square<3>(positions, corner, c0, c1)) *
-           inverse_scale2;
-  }
-};
-
-// Edges by coordinate.
-struct EdgeLanes {
-  HWY_INLINE EdgeLanes(const float* positions, const uint16_t* corner) {
-    Edges e[4];
-    for (int i = 0; i < 4; ++i) e[i] = edges(positions, corner + 3 * i);
-    transpose(e[0].e1, e[1].e1, e[2].e1, e[3].e1);
-    transpose(e[0].e2, e[1].e2, e[2].e2, e[3].e2);
-    x1 = e[0].e1, y1 = e[1].e1, z1 = e[2].e1;
-    x2 = e[0].e2, y2 = e[1].e2, z2 = e[2].e2;
+  HWY_INLINE Edges(const float* positions, const uint16_t* corner) {
+    Lanes e1[4], e2[4];
+    for (int i = 0; i < 4; ++i) {
+      const Lanes p0 = corners(positions, corner + 3 * i);
+      e1[i] = corners(positions, corner + 3 * i + 1) - p0;
+      e2[i] = corners(positions, corner + 3 * i + 2) - p0;
+    }
+    transpose(e1[0], e1[1], e1[2], e1[3]);
+    transpose(e2[0], e2[1], e2[2], e2[3]);
+    x1 = e1[0], y1 = e1[1], z1 = e1[2];
+    x2 = e2[0], y2 = e2[1], z2 = e2[2];
   }
   Lanes x1, y1, z1, x2, y2, z2;
 };
 
+// A measure gives q of kWidth triangles, from the coefficients at c; all-zero coefficients give 0.
+
+struct Directional {
+  HWY_INLINE static Lanes of(const Edges& e, const float* c, Lanes inverse_scale2) {
+    const Lanes c0 = load(c), c1 = load(c + kTriangleLanes);
+    const Lanes x = c0 * e.x1 + c1 * e.x2, y = c0 * e.y1 + c1 * e.y2, z = c0 * e.z1 + c1 * e.z2;
+    return ((x * x + y * y) + z * z) * inverse_scale2;
+  }
+};
+
 struct Area {
-  static constexpr uint32_t kCoefficients = 1;
-  HWY_INLINE static Lanes of(const float* positions, const uint16_t* corner, const float* c,
-                             Lanes inverse_scale2) {
-    const EdgeLanes e(positions, corner);
+  HWY_INLINE static Lanes of(const Edges& e, const float* c, Lanes inverse_scale2) {
     const Lanes x = e.y1 * e.z2 - e.z1 * e.y2;
     const Lanes y = e.z1 * e.x2 - e.x1 * e.z2;
     const Lanes z = e.x1 * e.y2 - e.y1 * e.x2;
@@ -350,10 +320,7 @@ struct Area {
 };
 
 struct Principal {
-  static constexpr uint32_t kCoefficients = 3;
-  HWY_INLINE static Lanes of(const float* positions, const uint16_t* corner, const float* c,
-                             Lanes inverse_scale2) {
-    const EdgeLanes e(positions, corner);
+  HWY_INLINE static Lanes of(const Edges& e, const float* c, Lanes inverse_scale2) {
     const Lanes c0 = load(c), c1 = load(c + kTriangleLanes), c2 = load(c + 2 * kTriangleLanes);
     const Lanes f1x = c0 * e.x1, f1y = c0 * e.y1, f1z = c0 * e.z1;
     const Lanes f2x = c1 * e.x1 + c2 * e.x2, f2y = c1 * e.y1 + c2 * e.y2, f2z = c1 * e.z1 + c2 * e.z2;
@@ -365,93 +332,188 @@ struct Principal {
   }
 };
 
-// While a cluster is worked on, the memory of the next one is fetched, at the same pace: its words lie
-// `ahead` bytes further on.
-HWY_INLINE void fetch(const void* at, size_t ahead, size_t bytes) {
-  for (size_t line = 0; line < bytes; line += 64) hwy::Prefetch(static_cast<const char*>(at) + ahead + line);
+// q clamped to [0, kMaxQ], 1 where it is not a number.
+HWY_INLINE Lanes clampQ(Lanes q) {
+  return ifNotNegative(q, atMost(q, kMaxQ), all(1.0f));
 }
 
-template <typename Measure>
-HWY_INLINE void measure(const Cluster& c, size_t ahead, const uint16_t* corner, const float* coefficients,
-                        float scale, const float* positions, float* q) {
+template <typename Measured>
+HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const float* coefficients, uint32_t each,
+                        float scale, const float* positions, Ahead& ahead, float* q) {
   const Lanes inverse_scale2 = all(1.0f / (scale * scale));
-  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes, corner += 3 * kTriangleLanes) {
-    fetch(corner, ahead, 3 * kTriangleLanes * sizeof(uint16_t));
-    fetch(coefficients, ahead, Measure::kCoefficients * kTriangleLanes * sizeof(float));
-    for (uint32_t i = 0; i < kTriangleLanes; i += 4 * kBlocks)
-      store(clampQ(Measure::of(positions, corner + 3 * i, coefficients + i, inverse_scale2)), q + group + i);
-    coefficients += Measure::kCoefficients * kTriangleLanes;
+  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes) {
+    ahead.step();
+    for (uint32_t i = 0; i < kTriangleLanes; i += kWidth)
+      store(clampQ(Measured::of(Edges(positions, corner + 3 * i), coefficients + i, inverse_scale2)),
+            q + group + i);
+    corner += 3 * kTriangleLanes;
+    coefficients += each * kTriangleLanes;
   }
 }
 
-HWY_INLINE void smooth(const Cluster& c, size_t ahead, const uint32_t* words, const uint16_t* totals,
-                       const float* triangle_q, float* q) {
+HWY_INLINE void smooth(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
+                       float* sums) {
   const uint32_t* chunk = words + c.chunks;
-  for (uint32_t point = 0; point < c.points;
-       point += kRingLanes, ++chunk, q += kRingLanes, totals += kRingLanes) {
+  for (uint32_t point = 0; point < c.points; point += kRingLanes, ++chunk) {
+    ahead.step();
     Ring ring;
     const auto* end = reinterpret_cast<const uint16_t*>(words + chunk[1]);
     for (const auto* entry = reinterpret_cast<const uint16_t*>(words + chunk[0]); entry < end;
-         entry += 2 * kRingLanes) {
-      if (!(reinterpret_cast<uintptr_t>(entry) & 63)) fetch(entry, ahead, 64);
+         entry += 2 * kRingLanes)
       addStep(ring, triangle_q, entry);
-    }
-    storeMean(ring, totals, q);
+    storeSums(ring, sums + point);
   }
 }
 
-void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScratch& scratch) {
+// The layers of a pack that a cluster measures; the others' coefficients are null.
+struct Pack {
+  const Layer* layers[kPack];
+  const float* coefficients[kPack];
+};
+
+// The same for several layers at once: their q lie side by side.
+HWY_INLINE void measurePack(const Cluster& c, const uint16_t* corner, const Pack& pack, float scale,
+                            const float* positions, Ahead& ahead, float* q) {
+  const Lanes inverse_scale2 = all(1.0f / (scale * scale));
+  const float* coefficients[kPack];
+  std::copy(pack.coefficients, pack.coefficients + kPack, coefficients);
+  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes, corner += 3 * kTriangleLanes) {
+    ahead.step();
+    for (uint32_t i = 0; i < kTriangleLanes; i += kWidth) {
+      const Edges edges(positions, corner + 3 * i);
+      Lanes of[kPack];
+      for (uint32_t l = 0; l < kPack; ++l) {
+        of[l] = all(0.0f);
+        if (!coefficients[l]) continue;
+        const float* at = coefficients[l] + i;
+        if (pack.layers[l]->measure == Measure::kDirectional)
+          of[l] = clampQ(Directional::of(edges, at, inverse_scale2));
+        else if (pack.layers[l]->measure == Measure::kArea)
+          of[l] = clampQ(Area::of(edges, at, inverse_scale2));
+        else
+          of[l] = clampQ(Principal::of(edges, at, inverse_scale2));
+      }
+      transpose(of[0], of[1], of[2], of[3]);
+      for (uint32_t k = 0; k < 4; ++k) storeBlocks(of[k], q + kPack * (group + i + k), 4 * kPack);
+    }
+    for (uint32_t l = 0; l < kPack; ++l)
+      if (coefficients[l]) coefficients[l] += kTriangleLanes * coefficientCount(pack.layers[l]->measure);
+  }
+}
+
+HWY_INLINE void smoothPack(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
+                           float* sums, size_t step) {
+  const uint32_t* chunk = words + c.chunks;
+  for (uint32_t point = 0; point < c.points; point += kRingLanes, ++chunk) {
+    ahead.step();
+    RingPack ring;
+    const auto* end = reinterpret_cast<const uint16_t*>(words + chunk[1]);
+    for (const auto* entry = reinterpret_cast<const uint16_t*>(words + chunk[0]); entry < end;
+         entry += 2 * kRingLanes)
+      addStep(ring, triangle_q, entry);
+    storeSums(ring, sums + point, step);
+  }
+}
+
+// Sums become means, 1 where the ring has no weight in the layer.
+HWY_INLINE void divide(const uint16_t* totals, uint32_t points, float* q) {
+  for (uint32_t i = 0; i < points; i += kWidth) {
+    const Lanes total = fromUint16(totals + i);
+    store(ifPositive(total, load(q + i) / total, all(1.0f)), q + i);
+  }
+}
+
+// q of up to kPack layers from `first_layer`, of the cluster's vertices, where it measures them.
+void measureLayers(const ClusterFrameJob& job, const Cluster& c, uint32_t first_layer, Ahead& ahead,
+                   const ClusterScratch& scratch) {
   const Clusters& clusters = *job.clusters;
   const AssetView& asset = *clusters.asset;
   const uint32_t* words = clusters.words.data();
   const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
-  const Cluster& next = clusters.clusters[std::min(index + 1, clusters.clusters.size() - 1)];
-  const size_t ahead = size_t{next.slot_vertex - c.slot_vertex} * sizeof(uint32_t);
-  if (job.posed)
-    copyHostPositions(job, c, next, scratch.positions);
-  else
-    posePositions(job, c, next, scratch.positions);
-  const auto* corner = reinterpret_cast<const uint16_t*>(words + c.corners);
-  const auto* extra = reinterpret_cast<const uint16_t*>(words + c.extra_point);
-  const uint32_t* vertex = words + c.slot_vertex;
-  const size_t stride = asset.weightStride();
-  for (uint32_t l = 0; l < asset.layerCount(); ++l) {
-    const Layer& layer = asset.layers[l];
-    if (c.covered >> l & 1u) {
-      const auto* coefficients =
-          reinterpret_cast<const float*>(words + clusters.layer_words[index * asset.layerCount() + l]);
-      const auto* totals = reinterpret_cast<const uint16_t*>(
-          coefficients + size_t{c.triangles} * coefficientCount(layer.measure));
-      if (layer.measure == Measure::kDirectional)
-        measure<Directional>(c, ahead, corner, coefficients, job.scale, scratch.positions,
-                             scratch.triangle_q);
-      else if (layer.measure == Measure::kArea)
-        measure<Area>(c, ahead, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
-      else
-        measure<Principal>(c, ahead, corner, coefficients, job.scale, scratch.positions, scratch.triangle_q);
-      smooth(c, ahead, words, totals, scratch.triangle_q, scratch.q);
-      for (uint32_t i = c.points; i < c.vertices; ++i) scratch.q[i] = scratch.q[extra[i - c.points]];
-    } else {
-      std::fill_n(scratch.q, c.vertices, 1.0f);
-    }
-    if (layer.bias.empty())
-      std::fill_n(scratch.bias, c.vertices, 0.0f);
-    else
-      for (uint32_t i = 0; i < c.vertices; ++i)
-        scratch.bias[i] = static_cast<float>(layer.bias[vertex[i]]) * (1.0f / 32767.0f);
-    const Response& response = job.responses.empty() ? layer.response : job.responses[l];
-    const float region = job.region_weights.empty() ? 0.0f : job.region_weights[l];
-    withCurve(response, [&](const auto& curve) {
-      respondBlock(curve, scratch.q, scratch.bias, region, c.vertices, scratch.weights);
-    });
-    for (uint32_t i = 0; i < c.vertices; ++i) job.weights[vertex[i] * stride + l] = scratch.weights[i];
+  Pack pack = {};
+  uint32_t count = 0, one = 0;
+  for (uint32_t l = 0; l < kPack && first_layer + l < asset.layerCount(); ++l) {
+    if (!(c.covered >> (first_layer + l) & 1u)) continue;
+    pack.layers[l] = &asset.layers[first_layer + l];
+    pack.coefficients[l] = reinterpret_cast<const float*>(
+        words + clusters.layer_words[index * asset.layerCount() + first_layer + l]);
+    ++count, one = l;
   }
+  if (count == 0) return;
+  const auto* corner = reinterpret_cast<const uint16_t*>(words + c.corners);
+  if (count == 1) {
+    const auto run = [&](auto measured) HWY_ATTR {
+      measure<decltype(measured)>(c, corner, pack.coefficients[one],
+                                  coefficientCount(pack.layers[one]->measure), job.scale, scratch.positions,
+                                  ahead, scratch.triangle_q);
+    };
+    if (pack.layers[one]->measure == Measure::kDirectional)
+      run(Directional());
+    else if (pack.layers[one]->measure == Measure::kArea)
+      run(Area());
+    else
+      run(Principal());
+    smooth(c, words, scratch.triangle_q, ahead, scratch.q + one * scratch.padded);
+  } else {
+    measurePack(c, corner, pack, job.scale, scratch.positions, ahead, scratch.triangle_q);
+    smoothPack(c, words, scratch.triangle_q, ahead, scratch.q, scratch.padded);
+  }
+  const auto* extra = reinterpret_cast<const uint16_t*>(words + c.extra_point);
+  for (uint32_t l = 0; l < kPack; ++l) {
+    if (!pack.coefficients[l]) continue;
+    float* q = scratch.q + l * scratch.padded;
+    const float* totals =
+        pack.coefficients[l] + size_t{c.triangles} * coefficientCount(pack.layers[l]->measure);
+    divide(reinterpret_cast<const uint16_t*>(totals), c.points, q);
+    for (uint32_t i = c.points; i < c.vertices; ++i) q[i] = q[extra[i - c.points]];
+  }
+}
+
+// One half of the weights of a pair of layers, from q in `q` if the cluster measures the layer.
+void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, float* q,
+                  const ClusterScratch& scratch) {
+  const Clusters& clusters = *job.clusters;
+  const Layer& layer = clusters.asset->layers[l];
+  const uint32_t* vertex = &clusters.words[c.slot_vertex];
+  if (!(c.covered >> l & 1u)) std::fill_n(q, c.vertices, 1.0f);
+  if (layer.bias.empty())
+    std::fill_n(scratch.bias, c.vertices, 0.0f);
+  else
+    for (uint32_t i = 0; i < c.vertices; ++i)
+      scratch.bias[i] = static_cast<float>(layer.bias[vertex[i]]) * (1.0f / 32767.0f);
+  respondPairs(job.responses.empty() ? layer.response : job.responses[l], q, scratch.bias,
+               job.region_weights.empty() ? 0.0f : job.region_weights[l], c.vertices, l % 2 != 0,
+               scratch.pairs);
 }
 
 }  // namespace
 
-ClusterRun clusterRun() {
-  return &runCluster;
+void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScratch& scratch) {
+  const Clusters& clusters = *job.clusters;
+  const AssetView& asset = *clusters.asset;
+  const uint32_t* vertex = &clusters.words[c.slot_vertex];
+  const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
+  Ahead ahead(job, c, clusters.clusters[std::min(index + 1, clusters.clusters.size() - 1)]);
+  if (job.posed) {
+    if (c.covered != 0) copyHostPositions(job, c, scratch.positions);
+  } else if (c.covered != 0 || !job.positions.empty()) {
+    if (clusters.wideJoints())
+      posePositions<uint16_t>(job, c, scratch.positions);
+    else
+      posePositions<uint8_t>(job, c, scratch.positions);
+    if (!job.positions.empty())
+      for (uint32_t s = 0; s < c.vertices; ++s)
+        std::memcpy(&job.positions[vertex[s]], scratch.positions + 4 * size_t{s}, sizeof(Float3));
+  }
+  const uint32_t layers = asset.layerCount();
+  const size_t stride = asset.weightStride();
+  for (uint32_t l = 0; l < layers; l += 2) {
+    if (l % kPack == 0) measureLayers(job, c, l, ahead, scratch);
+    for (uint32_t k = l; k < std::min(l + 2, layers); ++k)
+      respondLayer(job, c, k, scratch.q + k % kPack * scratch.padded, scratch);
+    for (uint32_t i = 0; i < c.vertices; ++i)
+      std::memcpy(&job.weights[vertex[i] * stride + l], &scratch.pairs[i], sizeof(uint32_t));
+  }
 }
 
 }  // namespace HWY_NAMESPACE
@@ -459,94 +521,12 @@ ClusterRun clusterRun() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#if HWY_ARCH_X86 && HWY_COMPILER_MSVC
-#include <intrin.h>
-#endif
-
 namespace furrow {
 namespace {
 
-#if HWY_ARCH_X86 && !HWY_COMPILER_MSVC
-bool cpuHasAvx2() {
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma");
-}
-bool cpuHasAvx512() {
-  return cpuHasAvx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-         __builtin_cpu_supports("avx512cd");
-}
-bool cpuHasSse4() {
-  return __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("pclmul") &&
-         __builtin_cpu_supports("aes");
-}
-#elif HWY_ARCH_X86
-bool cpuHas(int leaf, int word, int bit) {
-  int words[4];
-  __cpuidex(words, leaf, 0);
-  return words[word] >> bit & 1;
-}
-// The operating system must save the registers too: XCR0.
-bool cpuHasAvx2() {
-  return cpuHas(1, 2, 27) && (_xgetbv(0) & 6) == 6 && cpuHas(7, 1, 5) && cpuHas(7, 1, 8) && cpuHas(1, 2, 12);
-}
-bool cpuHasAvx512() {
-  return cpuHasAvx2() && (_xgetbv(0) & 0xe6) == 0xe6 && cpuHas(7, 1, 16) && cpuHas(7, 1, 17) &&
-         cpuHas(7, 1, 28) && cpuHas(7, 1, 30) && cpuHas(7, 1, 31);
-}
-bool cpuHasSse4() {
-  return cpuHas(1, 2, 20) && cpuHas(1, 2, 1) && cpuHas(1, 2, 25);
-}
-#endif
-
-ClusterRun runOf(Simd simd) {
-  switch (simd) {
-#if HWY_TARGETS & HWY_SCALAR
-    case Simd::kPortable:
-      return N_SCALAR::clusterRun();
-#elif HWY_TARGETS & HWY_EMU128
-    case Simd::kPortable:
-      return N_EMU128::clusterRun();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    case Simd::kSse4:
-      return cpuHasSse4() ? N_SSE4::clusterRun() : nullptr;
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    case Simd::kAvx2:
-      return cpuHasAvx2() ? N_AVX2::clusterRun() : nullptr;
-#endif
-#if HWY_TARGETS & HWY_AVX3
-    case Simd::kAvx512:
-      return cpuHasAvx512() ? N_AVX3::clusterRun() : nullptr;
-#endif
-#if HWY_TARGETS & HWY_NEON
-    case Simd::kNeon:
-      return N_NEON::clusterRun();
-#endif
-    default:
-      return nullptr;
-  }
-}
+constexpr ClusterRun kRuns[] = FURROW_TARGETS(runCluster);
 
 }  // namespace
-
-const char* simdName(Simd simd) {
-  constexpr const char* kNames[] = {"portable", "SSE4", "AVX2", "AVX-512", "NEON"};
-  return kNames[static_cast<size_t>(simd)];
-}
-
-bool simdAvailable(Simd simd) {
-  return runOf(simd) != nullptr;
-}
-
-Simd bestSimd() {
-  static const Simd best = [] {
-    for (Simd simd : {Simd::kNeon, Simd::kAvx512, Simd::kAvx2, Simd::kSse4})
-      if (simdAvailable(simd)) return simd;
-    return Simd::kPortable;
-  }();
-  return best;
-}
 
 Status ClusterFrameJob::validate() const {
   if (!clusters || !clusters->asset) return Status::error(StatusCode::kInvalidArgument, "frame: no clusters");
@@ -579,18 +559,9 @@ Status ClusterFrameJob::validate() const {
 }
 
 void ClusterFrameJob::run(uint32_t begin, uint32_t end, std::span<std::byte> scratch) const {
-  const ClusterRun run_cluster = runOf(simd);
-  for (uint32_t i = begin; i < end; ++i) {
-    const Cluster& c = clusters->clusters[i];
-    const size_t padded = (size_t{c.vertices} + kRingLanes - 1) / kRingLanes * kRingLanes;
-    ClusterScratch s = {};
-    s.positions = reinterpret_cast<float*>(scratch.data());
-    s.triangle_q = s.positions + 4 * size_t{c.slots};
-    s.q = s.triangle_q + c.triangles;
-    s.bias = s.q + padded;
-    s.weights = reinterpret_cast<int16_t*>(s.bias + padded);
-    run_cluster(*this, c, s);
-  }
+  const ClusterRun run_cluster = kRuns[static_cast<size_t>(simd)];
+  for (uint32_t i = begin; i < end; ++i)
+    run_cluster(*this, clusters->clusters[i], scratchOf(clusters->clusters[i], scratch.data()));
 }
 
 }  // namespace furrow

@@ -1,16 +1,18 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <cstring>
 #include <new>
 #include <numeric>
 
-#include "furrow/cluster_frame.h"
+#include "src/cluster_kernels.h"
 
 namespace furrow {
 namespace {
 
 constexpr uint32_t kMostSlots = 16384;      // a corner is 4 * slot in 16 bits
 constexpr uint32_t kMostTriangles = 65536;  // a ring entry has 16 bits
-constexpr size_t kLineWords = 16;           // clusters begin at cache lines
+constexpr double kMostSteps = 1 << 30;      // of a quantised position
 
 float coordinate(Float3 p, int axis) {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
@@ -96,6 +98,7 @@ class Builder {
     if (fits) {
       c.triangles =
           static_cast<uint32_t>((triangles_.size() + kTriangleLanes - 1) / kTriangleLanes * kTriangleLanes);
+      addPose(c);
       c.slot_vertex = reserve(c.slots);
       std::copy(slots_.begin(), slots_.end(), &out_.words[c.slot_vertex]);
       c.extra_point = addHalves(extra_, extra_.size());
@@ -107,13 +110,16 @@ class Builder {
       addLayers(points, c);
       addRings(points, c);
       addMorphs(c);
-      out_.words.resize((out_.words.size() + kLineWords - 1) / kLineWords * kLineWords, 0);
+      c.end = static_cast<uint32_t>(out_.words.size());
+      align();
       out_.clusters.push_back(c);
     }
     for (uint32_t v : slots_) vertex_slot_[v] = kAbsent;
     for (uint32_t t : triangles_) triangle_local_[t] = kAbsent;
     return fits;
   }
+
+  void align() { out_.words.resize((out_.words.size() + kLineWords - 1) / kLineWords * kLineWords, 0); }
 
   uint32_t reserve(size_t words) {
     const auto begin = static_cast<uint32_t>(out_.words.size());
@@ -151,9 +157,74 @@ class Builder {
     c.slots = static_cast<uint32_t>(slots_.size());
   }
 
+  // How the rest positions of the slots can be had back from 16-bit integers, if they are of one part.
+  RestHeader restHeader() const {
+    RestHeader rest = {};
+    const auto part = std::find_if(a_.parts.begin(), a_.parts.end(),
+                                   [&](const Part& each) { return slots_[0] < each.vertex_end; });
+    if (part == a_.parts.end() || !(part->position_step > 0.0f)) return rest;
+    rest.step = part->position_step;
+    const Float3 offset = part->position_offset;
+    for (int k = 0; k < 3; ++k) {
+      rest.offset[k] = coordinate(offset, k);
+      int64_t least = INT32_MAX, most = 0;
+      for (uint32_t v : slots_) {
+        if (v < part->vertex_begin || v >= part->vertex_end) return rest;
+        const float x = coordinate(a_.positions[v], k);
+        const int64_t n = quantized(x, rest.offset[k], rest.step);
+        if (n < 0 || rest.offset[k] + rest.step * static_cast<float>(n) != x) return rest;
+        least = std::min(least, n), most = std::max(most, n);
+      }
+      if (most - least > 65535) return rest;
+      rest.first[k] = static_cast<int32_t>(least);
+    }
+    rest.quantized = 1;
+    return rest;
+  }
+
+  static int64_t quantized(float x, float offset, float step) {
+    const double n = (double{x} - double{offset}) / double{step};
+    return std::abs(n) <= kMostSteps ? std::llround(n) : -1;
+  }
+
+  void addPose(Cluster& c) {
+    const RestHeader rest = restHeader();
+    const uint32_t influences = a_.influences, group_words = out_.poseGroupWords(rest.quantized != 0);
+    c.pose = reserve(kRestHeaderWords + (c.slots + kPoseLanes - 1) / kPoseLanes * size_t{group_words});
+    std::memcpy(&out_.words[c.pose], &rest, sizeof rest);
+    for (uint32_t s = 0; s < c.slots; ++s) {
+      uint32_t* group = &out_.words[c.pose + kRestHeaderWords + s / kPoseLanes * size_t{group_words}];
+      const uint32_t lane = s % kPoseLanes;
+      auto* halves = reinterpret_cast<uint16_t*>(group);
+      for (uint32_t k = 0; k < 3; ++k) {
+        const float x = coordinate(a_.positions[slots_[s]], static_cast<int>(k));
+        if (rest.quantized)
+          halves[k * kPoseLanes + lane] =
+              static_cast<uint16_t>(quantized(x, rest.offset[k], rest.step) - rest.first[k]);
+        else
+          group[k * kPoseLanes + lane] = std::bit_cast<uint32_t>(x);
+      }
+      halves += (rest.quantized ? 3 : 6) * kPoseLanes;
+      const uint16_t* weights = &a_.weights[size_t{slots_[s]} * influences];
+      const uint16_t* joints = &a_.joints[size_t{slots_[s]} * influences];
+      for (uint32_t k = 1; k < influences; ++k) halves[(k - 1) * kPoseLanes + lane] = weights[k];
+      halves += (influences - 1) * kPoseLanes;
+      for (uint32_t k = 0; k < influences; ++k) {
+        // A joint of no weight must not matter, even if its matrix is not finite.
+        const uint16_t joint =
+            weights[k] ? joints[k] : joints[std::max_element(weights, weights + influences) - weights];
+        if (out_.wideJoints())
+          halves[lane * influences + k] = joint;
+        else
+          reinterpret_cast<uint8_t*>(halves)[lane * influences + k] = static_cast<uint8_t>(joint);
+      }
+    }
+  }
+
   void addRings(std::span<const uint32_t> points, Cluster& c) {
     const size_t chunks = (points.size() + kRingLanes - 1) / kRingLanes;
     c.chunks = reserve(chunks + 1);
+    align();
     for (size_t i = 0; i < chunks; ++i) {
       const size_t first = i * kRingLanes, length = degree(points[first]);
       halves_.assign(2 * kRingLanes * length, 0);
@@ -172,7 +243,7 @@ class Builder {
   }
 
   void addLayers(std::span<const uint32_t> points, Cluster& c) {
-    const size_t padded = (points.size() + kRingLanes - 1) / kRingLanes * kRingLanes;
+    const size_t padded = (points.size() + kTriangleLanes - 1) / kTriangleLanes * kTriangleLanes;
     for (uint32_t l = 0; l < a_.layerCount(); ++l) {
       const uint32_t each = coefficientCount(a_.layers[l].measure);
       const std::span<const float> all = a_.layers[l].coefficients;
@@ -184,6 +255,8 @@ class Builder {
       out_.layer_words.push_back(static_cast<uint32_t>(out_.words.size()));
       if (std::none_of(triangles_.begin(), triangles_.end(), measured)) continue;
       c.covered |= 1u << l;
+      align();
+      out_.layer_words.back() = static_cast<uint32_t>(out_.words.size());
       const uint32_t coefficients = reserve(size_t{c.triangles} * each);
       for (size_t i = 0; i < triangles_.size(); ++i) {
         const size_t group = coefficients + i / kTriangleLanes * kTriangleLanes * each;
@@ -227,20 +300,47 @@ class Builder {
   std::vector<uint16_t> extra_, halves_;
 };
 
+size_t paddedTo16(size_t count) {
+  return (count + 15) / 16 * 16;
+}
+
 }  // namespace
+
+size_t scratchBytes(const Cluster& c) {
+  return sizeof(float) *
+         (4 * paddedTo16(c.slots) + size_t{kPack} * c.triangles + (kPack + 2) * paddedTo16(c.vertices));
+}
+
+ClusterScratch scratchOf(const Cluster& c, std::byte* memory) {
+  ClusterScratch s = {};
+  s.padded = paddedTo16(c.vertices);
+  s.positions = reinterpret_cast<float*>(memory);
+  s.triangle_q = s.positions + 4 * paddedTo16(c.slots);
+  s.q = s.triangle_q + size_t{kPack} * c.triangles;
+  s.bias = s.q + kPack * s.padded;
+  s.pairs = reinterpret_cast<uint32_t*>(s.bias + s.padded);
+  return s;
+}
+
+uint64_t Clusters::frameBytes(bool posed) const {
+  uint64_t words_read = 0, vertices = 0, slots = 0;
+  for (const Cluster& c : clusters) {
+    words_read += c.end - (posed ? c.slot_vertex : c.pose);
+    vertices += c.vertices;
+    slots += c.slots;
+  }
+  return words_read * sizeof(uint32_t) + clusters.size() * sizeof(Cluster) +
+         layer_words.size() * sizeof(uint32_t) + (posed ? slots * sizeof(Float3) : 0) +
+         vertices * asset->weightStride() * sizeof(int16_t);
+}
 
 Status Clusters::build(const AssetView& source) try {
   *this = {};
   Clusters built;
   built.asset = &source;
   if (Status status = Builder(source, built).build(); !status.ok()) return status;
-  for (const Cluster& c : built.clusters) {
-    const size_t padded = (size_t{c.vertices} + kRingLanes - 1) / kRingLanes * kRingLanes;
-    built.scratch_bytes_ =
-        std::max(built.scratch_bytes_, c.slots * sizeof(Float4) + c.triangles * sizeof(float) +
-                                           padded * (2 * sizeof(float) + sizeof(int16_t)) + 64);
-  }
-  built.scratch_bytes_ = (built.scratch_bytes_ + 63) & ~size_t{63};
+  for (const Cluster& c : built.clusters)
+    built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c));
   *this = std::move(built);
   return {};
 } catch (const std::bad_alloc&) {

@@ -191,6 +191,9 @@ Status decodePart(const format::Part& part, uint32_t influences, PartGeometry& o
   if (Status status = toFloats(integers, format::Semantic::Position, 3, &out.positions.data()->x, vertices);
       !status.ok())
     return status;
+  const format::Attribute& position = *integers.attribute[static_cast<uint32_t>(format::Semantic::Position)];
+  out.position_offset = {position.offset()->Get(0), position.offset()->Get(1), position.offset()->Get(2)};
+  out.position_step = position.step();
   out.uvs.assign(vertices, {0.0f, 0.0f});
   if (integers.attribute[static_cast<uint32_t>(format::Semantic::Uv)])
     if (Status status = toFloats(integers, format::Semantic::Uv, 2, &out.uvs.data()->x, vertices);

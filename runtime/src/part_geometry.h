@@ -16,7 +16,9 @@ struct Stream;
 }  // namespace format
 
 struct PartGeometry {
-  std::vector<Float3> positions;
+  std::vector<Float3> positions;  // offset + step * n
+  Float3 position_offset;
+  float position_step = 0.0f;
   std::vector<Float3> normals;
   std::vector<Float4> tangents;
   std::vector<Float2> uvs;

@@ -11,6 +11,14 @@
 
 namespace furrow {
 
+// Adding 1.5 * 2^23 rounds to the nearest integer and leaves it in the low bits.
+inline constexpr float kRounder = 12582912.0f;
+inline constexpr int32_t kRounderBits = 0x4b400000;
+
+inline constexpr float kLog2Series[] = {2.88539008f, 0.961796694f, 0.577078016f, 0.412198583f, 0.320598898f};
+inline constexpr float kExp2Series[] = {1.0f,           0.693147181f,   0.240226507f,    0.0555041087f,
+                                        0.00961812911f, 0.00133335581f, 0.000154035304f, 0.0000152527338f};
+
 // Within 4e-7 relative, and fastLog2(1) is exactly 0. x > 0, normal.
 inline float fastLog2(float x) {
   const int32_t bits = std::bit_cast<int32_t>(x);
@@ -19,23 +27,20 @@ inline float fastLog2(float x) {
   const float t = (mantissa - 1.0f) / (mantissa + 1.0f);
   const float t2 = t * t;
   const float series =
-      t * (2.88539008f + t2 * (0.961796694f + t2 * (0.577078016f + t2 * (0.412198583f + t2 * 0.320598898f))));
+      t * (kLog2Series[0] +
+           t2 * (kLog2Series[1] + t2 * (kLog2Series[2] + t2 * (kLog2Series[3] + t2 * kLog2Series[4]))));
   return static_cast<float>(exponent) + series;
 }
 
 // Within 4e-7 relative; y is clamped to [-126, 126].
 inline float fastExp2(float y) {
   y = std::min(std::max(y, -126.0f), 126.0f);
-  const float shifted = y + 12582912.0f;  // 1.5 * 2^23: rounds to the nearest integer
-  const float whole = shifted - 12582912.0f;
+  const float shifted = y + kRounder;
+  const float whole = shifted - kRounder;
   const float f = y - whole;
-  const float series =
-      1.0f + f * (0.693147181f +
-                  f * (0.240226507f +
-                       f * (0.0555041087f +
-                            f * (0.00961812911f +
-                                 f * (0.00133335581f + f * (0.000154035304f + f * 0.0000152527338f))))));
-  const int32_t exponent = std::bit_cast<int32_t>(shifted) - 0x4b400000;
+  float series = kExp2Series[7];
+  for (int i = 6; i >= 0; --i) series = kExp2Series[i] + f * series;
+  const int32_t exponent = std::bit_cast<int32_t>(shifted) - kRounderBits;
   return std::bit_cast<float>(std::bit_cast<int32_t>(series) + exponent * (1 << 23));
 }
 
@@ -48,9 +53,9 @@ inline float clampUnit(float w) {
   return std::min(std::max(w, -1.0f), 1.0f);
 }
 
-// SSE2 has no float-to-int16 rounding: adding 1.5 * 2^23 leaves the rounded value in the low bits.
+// SSE2 has no float-to-int16 rounding.
 inline int16_t toSnorm16(float w) {
-  return static_cast<int16_t>(std::bit_cast<int32_t>(w * 32767.0f + 12582912.0f) - 0x4b400000);
+  return static_cast<int16_t>(std::bit_cast<int32_t>(w * 32767.0f + kRounder) - kRounderBits);
 }
 
 // Responses made ready for many q >= kMinQ.

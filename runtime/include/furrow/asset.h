@@ -52,6 +52,9 @@ struct Part {
   Affine rest;                   // part space -> the scene root's space at rest
   bool has_normals, has_uvs;     // of the source; normals are computed where it had none, UVs are zero
   float roughness;               // [0, 1]; for previews
+  // Positions are offset + step * n for whole numbers n >= 0, in float.
+  Float3 position_offset;
+  float position_step;
 };
 
 // One matrix of the palette that poses the asset: palette[i] = world(node) * inverse_bind, where world()

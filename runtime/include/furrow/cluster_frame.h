@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "furrow/jobs.h"
+#include "furrow/simd.h"
 
 namespace furrow {
 
@@ -23,6 +24,8 @@ inline constexpr uint32_t kClusterPoints = 640;
 inline constexpr uint32_t kTriangleLanes = 16;
 // Rings of this many points lie side by side, padded to the longest of them.
 inline constexpr uint32_t kRingLanes = 8;
+// Slots are posed this many at a time.
+inline constexpr uint32_t kPoseLanes = 16;
 
 // One cluster: where its data begin in Clusters::words. 16-bit data lie two to a word, the lower first.
 struct Cluster {
@@ -38,12 +41,17 @@ struct Cluster {
       chunks;  // a word for every kRingLanes points, and one more: where their ring begins in words. A step
                // of a ring has 16 bits a point, its triangle, then 16 bits a point, that triangle's weight
   uint32_t covered;  // bit l: layer l measures a triangle here
+  // What poses the slots, kPoseLanes at a time: 16 words of header, then for each kPoseLanes slots their rest
+  // positions x, y, z (16 bits each as steps of the part's quantisation, else floats), the weights of their
+  // joints but the first (unorm16, kPoseLanes an influence) and their joints (8 or 16 bits, slot by slot).
+  uint32_t pose;
+  uint32_t end;  // of the cluster's words, which begin with the pose
 };
 
 // How an asset's surface is cut. Immutable after build(); any number of threads and instances may read it.
 class Clusters {
  public:
-  // Takes O(n log n) time and about 30 bytes a triangle and 10 more a layer, and allocates; `asset` must
+  // Takes O(n log n) time and about 32 bytes a triangle and 10 more a layer, and allocates; `asset` must
   // outlive it. Fails with kOutOfMemory, or kUnavailable where a single point is in more triangles than a
   // cluster can number (about 16,000): such an asset has the staged jobs alone. The same asset gives the same
   // clusters everywhere.
@@ -52,6 +60,17 @@ class Clusters {
   uint32_t count() const { return static_cast<uint32_t>(clusters.size()); }
   // Bytes of scratch memory that every thread needs, aligned to 64.
   size_t scratchBytes() const { return scratch_bytes_; }
+  // Bytes that a frame reads and writes all told: with positions that the host has posed, 12 bytes each, or
+  // posed by the palette (without the palette, morph targets and biases, and no positions written).
+  uint64_t frameBytes(bool posed) const;
+
+  // Joints take 16 bits, since the palette has more than 256 entries.
+  bool wideJoints() const { return asset->palette.size() > 256; }
+  // Words of kPoseLanes slots in a cluster's pose.
+  uint32_t poseGroupWords(bool quantized) const {
+    return kPoseLanes / 2 * ((quantized ? 3 : 6) + asset->influences - 1) +
+           kPoseLanes / 4 * asset->influences * (wideJoints() ? 2 : 1);
+  }
 
   struct MorphRun {
     uint32_t morph;
@@ -73,13 +92,6 @@ class Clusters {
  private:
   size_t scratch_bytes_ = 0;
 };
-
-// Instruction sets that the clustered frame is built for; the results are the same bits.
-enum class Simd : uint8_t { kPortable = 0, kSse4, kAvx2, kAvx512, kNeon };
-const char* simdName(Simd simd);
-// The best that this build and this CPU have.
-Simd bestSimd();
-bool simdAvailable(Simd simd);
 
 // One frame of one instance. Items: clusters, any number of threads on disjoint ranges. Does not allocate,
 // lock or throw.

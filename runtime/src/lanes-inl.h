@@ -1,0 +1,193 @@
+// The vectors of the cpu tier's kernels: four floats, or as many blocks of four as the instruction set has.
+// Compiled for every one of them: to be included where hwy/foreach_target.h is.
+
+#if defined(FURROW_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FURROW_LANES_INL_H
+#undef FURROW_LANES_INL_H
+#else
+#define FURROW_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace furrow {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR
+
+constexpr uint32_t kBlocks = 1;
+struct Lanes {
+  float v[4];
+};
+template <typename Function>
+HWY_INLINE Lanes each(Function f) {
+  return {{f(0), f(1), f(2), f(3)}};
+}
+HWY_INLINE Lanes load(const float* p) {
+  return {{p[0], p[1], p[2], p[3]}};
+}
+HWY_INLINE void store(Lanes a, float* p) {
+  std::copy(a.v, a.v + 4, p);
+}
+HWY_INLINE Lanes all(float x) {
+  return {{x, x, x, x}};
+}
+HWY_INLINE Lanes operator+(Lanes a, Lanes b) {
+  return each([&](int i) { return a.v[i] + b.v[i]; });
+}
+HWY_INLINE Lanes operator-(Lanes a, Lanes b) {
+  return each([&](int i) { return a.v[i] - b.v[i]; });
+}
+HWY_INLINE Lanes operator*(Lanes a, Lanes b) {
+  return each([&](int i) { return a.v[i] * b.v[i]; });
+}
+HWY_INLINE Lanes operator/(Lanes a, Lanes b) {
+  return each([&](int i) { return a.v[i] / b.v[i]; });
+}
+HWY_INLINE Lanes root(Lanes a) {
+  return each([&](int i) { return std::sqrt(a.v[i]); });
+}
+HWY_INLINE Lanes atMost(Lanes a, float most) {
+  return each([&](int i) { return std::min(a.v[i], most); });
+}
+// Where a > 0, `yes`, else `no`.
+HWY_INLINE Lanes ifPositive(Lanes a, Lanes yes, Lanes no) {
+  return each([&](int i) { return a.v[i] > 0.0f ? yes.v[i] : no.v[i]; });
+}
+// Where a < 0, `yes`, else `no`.
+HWY_INLINE Lanes ifNegative(Lanes a, Lanes yes, Lanes no) {
+  return each([&](int i) { return a.v[i] < 0.0f ? yes.v[i] : no.v[i]; });
+}
+// Where a >= 0, `yes`, else `no`.
+HWY_INLINE Lanes ifNotNegative(Lanes a, Lanes yes, Lanes no) {
+  return each([&](int i) { return a.v[i] >= 0.0f ? yes.v[i] : no.v[i]; });
+}
+HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes m[4] = {a, b, c, d};
+  Lanes* out[4] = {&a, &b, &c, &d};
+  for (int row = 0; row < 4; ++row)
+    for (int k = 0; k < 4; ++k) out[row]->v[k] = m[k].v[row];
+}
+// Block i to `p + i * step`.
+HWY_INLINE void storeBlocks(Lanes a, float* p, size_t) {
+  store(a, p);
+}
+HWY_INLINE Lanes fromUint16(const uint16_t* p) {
+  return each([&](int i) { return static_cast<float>(p[i]); });
+}
+// `first` + each of them.
+HWY_INLINE Lanes fromUint16(const uint16_t* p, int32_t first) {
+  return each([&](int i) { return static_cast<float>(first + p[i]); });
+}
+// kWidth elements of three floats, and of four.
+HWY_INLINE void load3(const float* p, Lanes& x, Lanes& y, Lanes& z) {
+  x = each([&](int i) { return p[3 * i]; });
+  y = each([&](int i) { return p[3 * i + 1]; });
+  z = each([&](int i) { return p[3 * i + 2]; });
+}
+HWY_INLINE void store3(Lanes x, Lanes y, Lanes z, float* p) {
+  for (int i = 0; i < 4; ++i) p[3 * i] = x.v[i], p[3 * i + 1] = y.v[i], p[3 * i + 2] = z.v[i];
+}
+HWY_INLINE void load4(const float* p, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
+  x = load(p), y = load(p + 4), z = load(p + 8), w = load(p + 12);
+  transpose(x, y, z, w);
+}
+HWY_INLINE void store4(Lanes x, Lanes y, Lanes z, Lanes w, float* p) {
+  transpose(x, y, z, w);
+  store(x, p), store(y, p + 4), store(z, p + 8), store(w, p + 12);
+}
+
+#else
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using D4 = hn::FixedTag<float, 4>;
+constexpr uint32_t kBlocks = HWY_MAX_BYTES >= 64 ? 4 : HWY_MAX_BYTES >= 32 ? 2 : 1;
+using Lanes = hn::Vec<D>;
+using Block = hn::Vec<D4>;
+HWY_INLINE Lanes load(const float* p) {
+  return hn::LoadU(D(), p);
+}
+HWY_INLINE void store(Lanes a, float* p) {
+  hn::StoreU(a, D(), p);
+}
+HWY_INLINE Lanes all(float x) {
+  return hn::Set(D(), x);
+}
+HWY_INLINE Lanes root(Lanes a) {
+  return hn::Sqrt(a);
+}
+HWY_INLINE Lanes atMost(Lanes a, float most) {
+  return hn::Min(a, all(most));
+}
+HWY_INLINE Lanes ifPositive(Lanes a, Lanes yes, Lanes no) {
+  return hn::IfThenElse(a > hn::Zero(D()), yes, no);
+}
+HWY_INLINE Lanes ifNegative(Lanes a, Lanes yes, Lanes no) {
+  return hn::IfThenElse(a < hn::Zero(D()), yes, no);
+}
+HWY_INLINE Lanes ifNotNegative(Lanes a, Lanes yes, Lanes no) {
+  return hn::IfThenElse(a >= hn::Zero(D()), yes, no);
+}
+// In each block.
+HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& e) {
+  const D d;
+  const Lanes ac0 = hn::InterleaveLower(d, a, c), ac1 = hn::InterleaveUpper(d, a, c);
+  const Lanes be0 = hn::InterleaveLower(d, b, e), be1 = hn::InterleaveUpper(d, b, e);
+  a = hn::InterleaveLower(d, ac0, be0);
+  b = hn::InterleaveUpper(d, ac0, be0);
+  c = hn::InterleaveLower(d, ac1, be1);
+  e = hn::InterleaveUpper(d, ac1, be1);
+}
+HWY_INLINE void storeBlocks(Lanes a, float* p, size_t step) {
+#if HWY_MAX_BYTES >= 64
+  _mm_storeu_ps(p, _mm512_castps512_ps128(a.raw));
+  _mm_storeu_ps(p + step, _mm512_extractf32x4_ps(a.raw, 1));
+  _mm_storeu_ps(p + 2 * step, _mm512_extractf32x4_ps(a.raw, 2));
+  _mm_storeu_ps(p + 3 * step, _mm512_extractf32x4_ps(a.raw, 3));
+#elif HWY_MAX_BYTES >= 32
+  hn::StoreU(hn::LowerHalf(D4(), a), D4(), p);
+  hn::StoreU(hn::UpperHalf(D4(), a), D4(), p + step);
+#else
+  (void)step;
+  store(a, p);
+#endif
+}
+HWY_INLINE Lanes fromUint16(const uint16_t* p) {
+  const hn::Rebind<uint16_t, D> d16;
+  const hn::Rebind<int32_t, D> d32;
+  return hn::ConvertTo(D(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
+}
+HWY_INLINE Lanes fromUint16(const uint16_t* p, int32_t first) {
+  const hn::Rebind<uint16_t, D> d16;
+  const hn::Rebind<int32_t, D> d32;
+  return hn::ConvertTo(D(), hn::Set(d32, first) + hn::PromoteTo(d32, hn::LoadU(d16, p)));
+}
+HWY_INLINE void load3(const float* p, Lanes& x, Lanes& y, Lanes& z) {
+  hn::LoadInterleaved3(D(), p, x, y, z);
+}
+HWY_INLINE void store3(Lanes x, Lanes y, Lanes z, float* p) {
+  hn::StoreInterleaved3(x, y, z, D(), p);
+}
+HWY_INLINE void load4(const float* p, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
+  hn::LoadInterleaved4(D(), p, x, y, z, w);
+}
+HWY_INLINE void store4(Lanes x, Lanes y, Lanes z, Lanes w, float* p) {
+  hn::StoreInterleaved4(x, y, z, w, D(), p);
+}
+
+#endif
+
+constexpr uint32_t kWidth = 4 * kBlocks;
+
+}  // namespace HWY_NAMESPACE
+}  // namespace furrow
+HWY_AFTER_NAMESPACE();
+
+#endif
