@@ -19,26 +19,46 @@
 
 namespace furrow {
 
+// Everything an asset keeps, in the host's memory.
 struct Asset::Storage {
-  std::vector<std::byte> payload;
-  PartGeometry geometry;  // of all parts, indices and joints absolute
-  std::vector<uint32_t> vertex_point, surface_indices, point_vertex, morph_entries, place_points;
-  Rings rings;
-  std::vector<Part> parts;
-  std::vector<PaletteEntry> palette;
-  std::vector<Morph> morphs;
-  std::vector<Layer> layers;
-  std::vector<Driver> drivers;
-  std::deque<std::vector<Float2>> curves;
-  std::vector<TextureSet> texture_sets;
-  // What morphs and layers point into; a deque does not move its elements.
-  std::deque<std::vector<uint32_t>> words;
-  std::deque<std::vector<int32_t>> integers;
-  std::deque<std::vector<int16_t>> shorts;
-  std::deque<std::vector<int8_t>> bytes;
-  std::deque<std::vector<float>> floats;
-  std::vector<uint8_t> colors;
+  explicit Storage(std::pmr::memory_resource* host) : memory(host) {}
+
+  template <typename T>
+  using Array = std::pmr::vector<T>;
+  template <typename T>
+  using Arrays = std::pmr::deque<std::pmr::vector<T>>;  // does not move its elements
+
+  std::pmr::memory_resource* memory;
+  Array<std::byte> payload{memory};
+  // Of all parts; indices and joints absolute.
+  Array<Float3> positions{memory}, normals{memory};
+  Array<Float4> tangents{memory};
+  Array<Float2> uvs{memory};
+  Array<uint16_t> joints{memory}, weights{memory};
+  Array<uint32_t> source{memory}, indices{memory};
+  Array<uint32_t> vertex_point{memory}, surface_indices{memory}, point_vertex{memory}, morph_entries{memory},
+      place_points{memory};
+  Array<uint32_t> ring_offsets{memory}, ring_triangles{memory};
+  Array<uint16_t> ring_weights{memory};
+  Array<Part> parts{memory};
+  Array<PaletteEntry> palette{memory};
+  Array<Morph> morphs{memory};
+  Array<Layer> layers{memory};
+  Array<Driver> drivers{memory};
+  Array<TextureSet> texture_sets{memory};
+  // What morphs, layers and drivers point into.
+  Arrays<Float2> curves{memory};
+  Arrays<uint32_t> words{memory};
+  Arrays<int32_t> integers{memory};
+  Arrays<int16_t> shorts{memory};
+  Arrays<int8_t> bytes{memory};
+  Arrays<float> floats{memory};
+  Array<uint8_t> colors{memory};
 };
+
+void Asset::Free::operator()(Storage* storage) const {
+  std::pmr::polymorphic_allocator<>(storage->memory).delete_object(storage);
+}
 
 namespace {
 
@@ -101,8 +121,8 @@ class Loader {
   }
 
  private:
-  size_t vertices() const { return s_.geometry.positions.size(); }
-  size_t triangles() const { return s_.geometry.indices.size() / 3; }
+  size_t vertices() const { return s_.positions.size(); }
+  size_t triangles() const { return s_.indices.size() / 3; }
   size_t points() const { return s_.point_vertex.size(); }
 
   Status loadParts() {
@@ -132,7 +152,7 @@ class Loader {
       out.position_offset = geometry.position_offset;
       out.position_step = geometry.position_step;
       append(geometry, out.vertex_begin, part->palette_begin());
-      if (vertices() >= kAbsent || s_.geometry.indices.size() >= kAbsent) return bad("too many vertices");
+      if (vertices() >= kAbsent || s_.indices.size() >= kAbsent) return bad("too many vertices");
       out.vertex_end = static_cast<uint32_t>(vertices());
       out.triangle_end = static_cast<uint32_t>(triangles());
       s_.parts.push_back(out);
@@ -141,7 +161,7 @@ class Loader {
   }
 
   void append(const PartGeometry& part, uint32_t first_vertex, uint32_t first_entry) {
-    PartGeometry& all = s_.geometry;
+    Asset::Storage& all = s_;
     all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
     all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
     all.tangents.insert(all.tangents.end(), part.tangents.begin(), part.tangents.end());
@@ -179,9 +199,9 @@ class Loader {
     }
     if (std::find(s_.point_vertex.begin(), s_.point_vertex.end(), kAbsent) != s_.point_vertex.end())
       return bad("a point has no vertex");
-    s_.surface_indices.resize(s_.geometry.indices.size());
+    s_.surface_indices.resize(s_.indices.size());
     for (size_t i = 0; i < s_.surface_indices.size(); ++i)
-      s_.surface_indices[i] = s_.point_vertex[s_.vertex_point[s_.geometry.indices[i]]];
+      s_.surface_indices[i] = s_.point_vertex[s_.vertex_point[s_.indices[i]]];
 
     const size_t places = streamCount(a_.place_points());
     if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok())
@@ -207,26 +227,30 @@ class Loader {
         if (v < part->vertex_begin || v >= part->vertex_end)
           part = std::upper_bound(s_.parts.begin(), s_.parts.end(), v,
                                   [](uint32_t vertex, const Part& each) { return vertex < each.vertex_end; });
-        rest_points_.push_back(transformed(part->rest, s_.geometry.positions[v]));
+        rest_points_.push_back(transformed(part->rest, s_.positions[v]));
       }
     }
     for (const Float3& p : rest_points_)
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
         return bad("a point rests nowhere");
-    s_.rings = makeRings(restSurface());
+    const Rings rings = makeRings(restSurface());
+    s_.ring_offsets.assign(rings.offsets.begin(), rings.offsets.end());
+    s_.ring_triangles.assign(rings.triangles.begin(), rings.triangles.end());
+    s_.ring_weights.assign(rings.weights.begin(), rings.weights.end());
     point_normals_ = pointNormals(restSurface());
     return {};
   }
 
-  RestSurface restSurface() const { return {rest_points_, s_.geometry.indices, s_.vertex_point}; }
+  RestSurface restSurface() const { return {rest_points_, s_.indices, s_.vertex_point}; }
 
   Status loadMorphs() {
     if (!a_.morphs() || a_.morphs()->size() == 0) return {};
     if (a_.morphs()->size() > 65535) return bad("too many morph targets");
     std::vector<uint32_t> surface_vertex(vertices());
     for (size_t v = 0; v < vertices(); ++v) surface_vertex[v] = s_.point_vertex[s_.vertex_point[v]];
-    const MorphPredictor predictor(s_.geometry.indices, surface_vertex);
+    const MorphPredictor predictor(s_.indices, surface_vertex);
     std::vector<Int3> field(vertices()), deltas;
+    std::vector<uint32_t> moved;
     for (const format::Morph* morph : *a_.morphs()) {
       Morph out = {bytesOf(morph->name()),
                    morph->default_weight(),
@@ -238,8 +262,8 @@ class Loader {
       if (!std::isfinite(out.default_weight) || !std::isfinite(out.position_step) ||
           !std::isfinite(out.normal_step))
         return bad("a morph target's numbers are not finite");
-      auto& ids = s_.words.emplace_back();
-      if (Status status = decodeRuns(morph->runs(), vertices(), ids); !status.ok()) return status;
+      if (Status status = decodeRuns(morph->runs(), vertices(), moved); !status.ok()) return status;
+      const auto& ids = s_.words.emplace_back(moved.begin(), moved.end());
       if (Status status = decodeDeltas(morph->positions(), kPositionDeltaBits, predictor, ids, field, deltas);
           !status.ok())
         return status;
@@ -381,7 +405,7 @@ class Loader {
         s_.drivers.push_back({driver->morph(), driver->gain(), {}});
         if (!driver->curve() || driver->curve()->size() == 0) continue;
         if (driver->curve()->size() % 2 != 0) return bad("a driver's curve is not sound");
-        std::vector<Float2>& curve = s_.curves.emplace_back();
+        auto& curve = s_.curves.emplace_back();
         for (uint32_t c = 0; c < driver->curve()->size(); c += 2) {
           curve.push_back({driver->curve()->Get(c), driver->curve()->Get(c + 1)});
           if (!std::isfinite(curve.back().x) || !std::isfinite(curve.back().y) ||
@@ -471,12 +495,13 @@ Status checkHeader(std::span<const std::byte> file, AssetHeader& header) {
 
 }  // namespace
 
-Status Asset::load(std::span<const std::byte> file) try {
+Status Asset::load(std::span<const std::byte> file, std::pmr::memory_resource* memory) try {
   view_ = {};
   storage_.reset();
   AssetHeader header;
   if (Status status = checkHeader(file, header); !status.ok()) return status;
-  auto storage = std::make_unique<Storage>();
+  std::unique_ptr<Storage, Free> storage(
+      std::pmr::polymorphic_allocator<>(memory).new_object<Storage>(memory));
   storage->payload.assign(file.begin() + sizeof header, file.end());
   const auto* bytes = reinterpret_cast<const uint8_t*>(storage->payload.data());
   flatbuffers::Verifier verifier(bytes, storage->payload.size());
@@ -485,21 +510,21 @@ Status Asset::load(std::span<const std::byte> file) try {
   if (Status status = Loader(*storage, asset).load(); !status.ok()) return status;
 
   Storage& s = *storage;
-  view_ = {s.geometry.positions,
-           s.geometry.normals,
-           s.geometry.tangents,
-           s.geometry.uvs,
-           s.geometry.source,
+  view_ = {s.positions,
+           s.normals,
+           s.tangents,
+           s.uvs,
+           s.source,
            s.vertex_point,
            asset.influences(),
-           s.geometry.joints,
-           s.geometry.weights,
-           s.geometry.indices,
+           s.joints,
+           s.weights,
+           s.indices,
            s.surface_indices,
            s.point_vertex,
-           s.rings.offsets,
-           s.rings.triangles,
-           s.rings.weights,
+           s.ring_offsets,
+           s.ring_triangles,
+           s.ring_weights,
            s.morph_entries,
            s.parts,
            s.palette,

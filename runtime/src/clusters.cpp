@@ -334,9 +334,19 @@ uint64_t Clusters::frameBytes(bool posed) const {
          vertices * asset->weightStride() * sizeof(int16_t);
 }
 
+Clusters::Clusters(std::pmr::memory_resource* memory)
+    : clusters(memory),
+      words(memory),
+      layer_words(memory),
+      morph_run_begin(memory),
+      morph_runs(memory),
+      morph_slots(memory),
+      morph_index(memory) {}
+
 Status Clusters::build(const AssetView& source) try {
-  *this = {};
-  Clusters built;
+  std::pmr::memory_resource* memory = words.get_allocator().resource();
+  *this = Clusters(memory);
+  Clusters built(memory);
   built.asset = &source;
   if (Status status = Builder(source, built).build(); !status.ok()) return status;
   for (const Cluster& c : built.clusters)
@@ -344,7 +354,7 @@ Status Clusters::build(const AssetView& source) try {
   *this = std::move(built);
   return {};
 } catch (const std::bad_alloc&) {
-  *this = {};
+  *this = Clusters(words.get_allocator().resource());
   return Status::error(StatusCode::kOutOfMemory, "out of memory");
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <memory_resource>
 #include <span>
 #include <string_view>
 
@@ -204,16 +205,22 @@ class Asset {
 
   // Reads a whole .furrow file. Every byte is covered by a checksum and every count, offset and index is
   // checked before it is used, so that the spans of view() can be trusted. `file` may be freed afterwards. On
-  // error the asset stays empty.
-  Status load(std::span<const std::byte> file);
+  // error the asset stays empty. `memory` holds what the asset keeps and must outlive it; working memory of
+  // the call (decoding, Draco) is C++'s own.
+  Status load(std::span<const std::byte> file,
+              std::pmr::memory_resource* memory = std::pmr::new_delete_resource());
 
   const AssetView& view() const { return view_; }
 
   struct Storage;  // private to the runtime
 
  private:
+  struct Free {
+    void operator()(Storage* storage) const;
+  };
+
   AssetView view_;
-  std::unique_ptr<Storage> storage_;
+  std::unique_ptr<Storage, Free> storage_;
 };
 
 }  // namespace furrow

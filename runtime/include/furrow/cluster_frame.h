@@ -9,6 +9,7 @@
 // pose.
 
 #include <cstddef>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,9 @@ struct Cluster {
 // How an asset's surface is cut. Immutable after build(); any number of threads and instances may read it.
 class Clusters {
  public:
+  // `memory` holds what build() makes; it must outlive the clusters. Working memory of build() is C++'s own.
+  explicit Clusters(std::pmr::memory_resource* memory = std::pmr::new_delete_resource());
+
   // Takes O(n log n) time and about 32 bytes a triangle and 10 more a layer, and allocates; `asset` must
   // outlive it. Fails with kOutOfMemory, or kUnavailable where a single point is in more triangles than a
   // cluster can number (about 16,000): such an asset has the staged jobs alone. The same asset gives the same
@@ -78,16 +82,16 @@ class Clusters {
   };
 
   const AssetView* asset = nullptr;
-  std::vector<Cluster> clusters;
-  std::vector<uint32_t> words;
+  std::pmr::vector<Cluster> clusters;
+  std::pmr::vector<uint32_t> words;
   // layerCount() a cluster, for the layers it covers: first the coefficients, coefficientCount(measure) x
   // kTriangleLanes floats for every kTriangleLanes triangles, then 16 bits a point: the ring's weights that
   // are in the layer; 0: none.
-  std::vector<uint32_t> layer_words;
-  std::vector<uint32_t> morph_run_begin;  // clusters + 1, in morph_runs
-  std::vector<MorphRun> morph_runs;       // a cluster: its morph targets, ascending
-  std::vector<uint16_t> morph_slots;
-  std::vector<uint32_t> morph_index;  // a slot of a run: which of Morph::vertices
+  std::pmr::vector<uint32_t> layer_words;
+  std::pmr::vector<uint32_t> morph_run_begin;  // clusters + 1, in morph_runs
+  std::pmr::vector<MorphRun> morph_runs;       // a cluster: its morph targets, ascending
+  std::pmr::vector<uint16_t> morph_slots;
+  std::pmr::vector<uint32_t> morph_index;  // a slot of a run: which of Morph::vertices
 
  private:
   size_t scratch_bytes_ = 0;
