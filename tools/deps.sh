@@ -6,7 +6,7 @@ packages=(
   # build
   cmake make ninja-build g++ pkg-config flatbuffers-compiler
   # runtime
-  libflatbuffers-dev libmeshoptimizer-dev libxxhash-dev libdraco-dev libhwy-dev libepoxy-dev
+  libflatbuffers-dev libmeshoptimizer-dev libxxhash-dev libdraco-dev libhwy-dev libepoxy-dev glslang-tools spirv-tools
   # pipeline and tools
   libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libeigen3-dev libstb-dev libcli11-dev
   # preview and editor

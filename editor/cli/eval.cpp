@@ -56,7 +56,7 @@ Result runCpu(const AssetView& asset, const FrameInput& input) {
 }
 
 Result runGpu(const AssetView& asset, const FrameInput& input, Form form) {
-  const FramePlan plan(asset, {.form = form, .normals = false});
+  const FramePlan plan(asset, {.form = form, .normals = false, .point_q = true});
   gl::Executor executor;
   if (const Status status = executor.create(plan); !status.ok())
     throw Error(Exit::kEnvironment, form == Form::kRaster ? "--backend gpu-raster" : "--backend gpu",
@@ -109,7 +109,7 @@ void run(const Options& options) {
   const Result result =
       choice.tier == gl::Tier::kCpu
           ? runCpu(asset, frame.input)
-          : runGpu(asset, frame.input, choice.tier == gl::Tier::kGpu ? Form::kStaged : Form::kRaster);
+          : runGpu(asset, frame.input, choice.tier == gl::Tier::kGpu ? Form::kClustered : Form::kRaster);
   const std::string text = csv(asset, result, frame.origin);
   if (!options.out.empty())
     pipeline::writeFile(options.out, std::as_bytes(std::span(text)));

@@ -288,7 +288,7 @@ PosedBuffers Renderer::State::pose(const FrameInput& input, Tier tier) {
     return cpu->run(input);
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
-  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kStaged : Form::kRaster);
+  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kClustered : Form::kRaster);
   return frame->run(input);
 }
 

@@ -40,6 +40,7 @@ struct Executor::State {
   std::array<GLuint, kBuffers> texels{};  // buffer textures
   GLuint sums = 0, framebuffer = 0, vertex_array = 0;
   bool debug = false;
+  bool some = false;  // kInstances is not all of them
 
   State() = default;
   State(const State&) = delete;
@@ -60,7 +61,7 @@ struct Executor::State {
   Status allocate(Buffer buffer);
   void makeTexels(const Binding& binding);
   Status makeSums();
-  void dispatch(const Item& item) const;
+  void dispatch(const Item& item, uint32_t rows) const;
   void draw(const Item& item) const;
   void drawTo(uint32_t slice) const;
   void readPointQ(std::span<std::byte> bytes) const;
@@ -163,11 +164,11 @@ void Executor::State::drawTo(uint32_t slice) const {
   glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, sums, 0, static_cast<GLint>(slice));
 }
 
-void Executor::State::dispatch(const Item& item) const {
+void Executor::State::dispatch(const Item& item, uint32_t rows) const {
   for (const Binding& binding : item.bindings)
     glBindBufferBase(binding.access == Access::kUniform ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER,
                      binding.slot, buffer(binding.buffer));
-  glDispatchCompute(item.groups[0], item.groups[1], 1);
+  glDispatchCompute(item.groups[0], rows, 1);
 }
 
 void Executor::State::draw(const Item& item) const {
@@ -256,26 +257,35 @@ Status Executor::create(const FramePlan& plan) {
   return {};
 }
 
-void Executor::upload(const FrameInput& input) {
+void Executor::upload(const FrameInput& input, uint32_t instance) {
   const FramePlan& plan = *state_->plan;
-  std::vector<std::byte> bytes(plan.buffer(Buffer::kFrame).bytes);
+  std::vector<std::byte> bytes(plan.instanceBytes(Buffer::kFrame));
   plan.writeFrame(input, bytes);
-  upload(Buffer::kFrame, bytes);
+  upload(Buffer::kFrame, bytes, instance * bytes.size());
   if (plan.options().posed_by_host) return;
-  bytes.resize(plan.buffer(Buffer::kMorphWeights).bytes);
+  bytes.resize(plan.instanceBytes(Buffer::kMorphWeights));
   plan.writeMorphWeights(input, bytes);
-  upload(Buffer::kMorphWeights, bytes);
-  upload(Buffer::kPalette, std::as_bytes(input.palette));
+  upload(Buffer::kMorphWeights, bytes, instance * bytes.size());
+  const bool linear = plan.options().skinning == Skinning::kLinear;
+  upload(Buffer::kPalette, linear ? std::as_bytes(input.palette) : std::as_bytes(input.motions),
+         instance * plan.instanceBytes(Buffer::kPalette));
 }
 
-void Executor::upload(Buffer buffer, std::span<const std::byte> bytes) {
+void Executor::upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t offset) {
   if (bytes.empty()) return;
   glBindBuffer(GL_COPY_WRITE_BUFFER, handle(buffer));
-  glBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+  glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes.size()),
+                  bytes.data());
 }
 
-void Executor::run() {
-  const State& s = *state_;
+void Executor::run(std::span<const uint32_t> instances) {
+  State& s = *state_;
+  const bool clustered = s.plan->options().form == Form::kClustered;
+  if (clustered && (!instances.empty() || s.some)) {
+    s.some = !instances.empty();
+    upload(Buffer::kInstances,
+           s.some ? std::as_bytes(instances) : s.plan->buffer(Buffer::kInstances).initial);
+  }
   if (s.debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, "furrow");
   if (s.raster()) {
     glBindVertexArray(s.vertex_array);
@@ -293,7 +303,7 @@ void Executor::run() {
     constexpr GLfloat kNothing[4] = {};
     switch (item.kind) {
       case ItemKind::kDispatch:
-        s.dispatch(item);
+        s.dispatch(item, s.some ? static_cast<uint32_t>(instances.size()) : item.groups[1]);
         break;
       case ItemKind::kDraw:
         s.draw(item);
@@ -321,11 +331,12 @@ void Executor::run() {
   if (s.debug) glPopDebugGroup();
 }
 
-void Executor::read(Buffer buffer, std::span<std::byte> bytes) const {
+void Executor::read(Buffer buffer, std::span<std::byte> bytes, uint64_t offset) const {
   if (bytes.empty()) return;
   if (buffer == Buffer::kPointQ && state_->raster()) return state_->readPointQ(bytes);
   glBindBuffer(GL_COPY_READ_BUFFER, handle(buffer));
-  glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+  glGetBufferSubData(GL_COPY_READ_BUFFER, static_cast<GLintptr>(offset),
+                     static_cast<GLsizeiptr>(bytes.size()), bytes.data());
 }
 
 uint32_t Executor::handle(Buffer buffer) const {

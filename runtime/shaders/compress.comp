@@ -10,13 +10,14 @@ vec3 position(uint corner) {
   return vec3(positions[word], positions[word + 1u], positions[word + 2u]);
 }
 
-void main() {
+FURROW_MAIN {
   uint t = invocationIndex();
   if (t >= frame.triangles) return;
   vec3 p0 = position(3u * t);
   precise vec3 e1 = position(3u * t + 1u) - p0;
   precise vec3 e2 = position(3u * t + 2u) - p0;
   for (uint layer = 0u; layer < frame.layers; ++layer) {
+    if (!isActive(layer)) continue;
     uint measure = frame.layer[layer].measure;
     uint count = coefficientCount(measure);
     uint first = frame.layer[layer].first_coefficient + count * t;

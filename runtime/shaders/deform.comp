@@ -4,7 +4,7 @@ FURROW_WRITE(5, float, positions);
 FURROW_WRITE(6, float, normals);
 FURROW_WRITE(7, float, tangents);
 
-void main() {
+FURROW_MAIN {
   uint v = invocationIndex();
   if (v >= frame.vertices) return;
   PosedVertex posed = poseVertex(v);

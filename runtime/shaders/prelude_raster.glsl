@@ -5,7 +5,7 @@
 #define FURROW_TEXELS_float samplerBuffer
 #define FURROW_TEXELS_uint usamplerBuffer
 #define FURROW_READ(slot, type, name) uniform FURROW_TEXELS_##type name
+#define FURROW_UNIFORM(slot, type, name) layout(std140) uniform name##_block { type name; }
 #define FURROW_AT(name, index) texelFetch(name, int(index)).x
 
-layout(std140) uniform frame_block { FrameConstants frame; };
 uniform uint item;  // Item::slice

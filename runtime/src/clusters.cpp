@@ -10,9 +10,7 @@
 namespace furrow {
 namespace {
 
-constexpr uint32_t kMostSlots = 16384;      // a corner is 4 * slot in 16 bits
-constexpr uint32_t kMostTriangles = 65536;  // a ring entry has 16 bits
-constexpr double kMostSteps = 1 << 30;      // of a quantised position
+constexpr double kMostSteps = 1 << 30;  // of a quantised position
 
 float coordinate(Float3 p, int axis) {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
@@ -20,8 +18,9 @@ float coordinate(Float3 p, int axis) {
 
 class Builder {
  public:
-  Builder(const AssetView& asset, Clusters& out)
+  Builder(const AssetView& asset, const ClusterLimits& limits, Clusters& out)
       : a_(asset),
+        limits_(limits),
         out_(out),
         triangle_local_(asset.triangleCount(), kAbsent),
         vertex_slot_(asset.vertexCount(), kAbsent) {}
@@ -48,7 +47,7 @@ class Builder {
   // Recursive coordinate bisection: halves of whole clusters along the longest side. Depth is at most log2 of
   // the points.
   Status cut(std::span<uint32_t> points) {
-    if (points.size() <= kClusterPoints && add(points)) return {};
+    if (points.size() <= limits_.points && add(points)) return {};
     if (points.size() == 1)
       return Status::error(StatusCode::kUnavailable,
                            "a point has too many triangles for the clustered frame (%u)",
@@ -61,7 +60,7 @@ class Builder {
     }
     const Float3 side = {high.x - low.x, high.y - low.y, high.z - low.z};
     const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-    const size_t leaves = std::max<size_t>(2, (points.size() + kClusterPoints - 1) / kClusterPoints);
+    const size_t leaves = std::max<size_t>(2, (points.size() + limits_.points - 1) / limits_.points);
     const size_t left = points.size() * (leaves / 2) / leaves;
     std::nth_element(points.begin(), points.begin() + static_cast<ptrdiff_t>(left), points.end(),
                      [&](uint32_t a, uint32_t b) {
@@ -94,7 +93,7 @@ class Builder {
     Cluster c = {};
     c.points = static_cast<uint32_t>(points.size());
     listSlots(points, c);
-    const bool fits = c.slots <= kMostSlots && triangles_.size() + kTriangleLanes <= kMostTriangles;
+    const bool fits = c.slots <= limits_.slots && triangles_.size() + kTriangleLanes - 1 <= limits_.triangles;
     if (fits) {
       c.triangles =
           static_cast<uint32_t>((triangles_.size() + kTriangleLanes - 1) / kTriangleLanes * kTriangleLanes);
@@ -293,6 +292,7 @@ class Builder {
   }
 
   const AssetView& a_;
+  const ClusterLimits& limits_;
   Clusters& out_;
   std::vector<uint32_t> first_vertex_, vertices_;  // vertices of each point
   std::vector<uint32_t> triangle_local_, vertex_slot_;
@@ -343,12 +343,12 @@ Clusters::Clusters(std::pmr::memory_resource* memory)
       morph_slots(memory),
       morph_index(memory) {}
 
-Status Clusters::build(const AssetView& source) try {
+Status Clusters::build(const AssetView& source, const ClusterLimits& limits) try {
   std::pmr::memory_resource* memory = words.get_allocator().resource();
   *this = Clusters(memory);
   Clusters built(memory);
   built.asset = &source;
-  if (Status status = Builder(source, built).build(); !status.ok()) return status;
+  if (Status status = Builder(source, limits, built).build(); !status.ok()) return status;
   for (const Cluster& c : built.clusters)
     built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c));
   *this = std::move(built);

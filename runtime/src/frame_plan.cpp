@@ -1,11 +1,9 @@
 #include "furrow/frame_plan.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <string>
 
-#include "shader_text.h"
+#include "plan_bindings.h"
 #include "shaders/layout.h"
 
 namespace furrow {
@@ -14,21 +12,8 @@ namespace {
 static_assert(gpu::kLayerLimit == kMaxLayers);
 static_assert(gpu::kMeasurePrincipal == static_cast<uint32_t>(Measure::kPrincipal) &&
               gpu::kCurveOat == static_cast<uint32_t>(Curve::kOat));
-
-constexpr Binding kFrameBinding = {0, Buffer::kFrame, Access::kUniform, "frame_block"};
-
-constexpr Binding storage(uint32_t slot, Buffer buffer, const char* name) {
-  return {slot, buffer, Access::kStorage, name};
-}
-constexpr Binding floats(uint32_t slot, Buffer buffer, const char* name) {
-  return {slot, buffer, Access::kFloats, name};
-}
-constexpr Binding words(uint32_t slot, Buffer buffer, const char* name) {
-  return {slot, buffer, Access::kWords, name};
-}
-constexpr Binding capture(uint32_t slot, Buffer buffer) {
-  return {slot, buffer, Access::kCapture, nullptr};
-}
+static_assert(sizeof(Affine) == gpu::kMatrixWords * sizeof(uint32_t) &&
+              sizeof(JointMotion) == gpu::kMotionWords * sizeof(uint32_t));
 
 constexpr Binding kDeformBindings[] = {kFrameBinding,
                                        storage(0, Buffer::kRestVertices, "rest_vertices"),
@@ -49,49 +34,22 @@ constexpr Binding kSmoothBindings[] = {kFrameBinding,
                                        storage(2, Buffer::kRingWeights, "ring_weights"),
                                        storage(3, Buffer::kTriangleQ, "triangle_q"),
                                        storage(4, Buffer::kPointQ, "point_q")};
-constexpr Binding kRespondBindings[] = {
-    kFrameBinding, storage(0, Buffer::kVertexPoint, "vertex_point"), storage(1, Buffer::kBias, "bias"),
-    storage(2, Buffer::kPointQ, "point_q"), storage(3, Buffer::kWeights, "weights")};
-
-constexpr Binding kRasterDeformBindings[] = {kFrameBinding,
-                                             floats(0, Buffer::kRestVertices, "rest_vertices"),
-                                             words(1, Buffer::kInfluences, "influences"),
-                                             words(2, Buffer::kMorphEntries, "morph_entries"),
-                                             floats(3, Buffer::kPalette, "palette"),
-                                             floats(4, Buffer::kMorphWeights, "morph_weights"),
-                                             capture(0, Buffer::kPositions),
-                                             capture(1, Buffer::kNormals),
-                                             capture(2, Buffer::kTangents)};
-constexpr Binding kRasterMeasureBindings[] = {kFrameBinding,
-                                              floats(0, Buffer::kPositions, "positions"),
-                                              words(1, Buffer::kVertexPoint, "vertex_point"),
-                                              floats(2, Buffer::kMeasured, "measured"),
-                                              {0, Buffer::kSurfaceIndices, Access::kIndices, nullptr}};
-constexpr Binding kRasterRespondBindings[] = {kFrameBinding,
-                                              words(0, Buffer::kVertexPoint, "vertex_point"),
-                                              words(1, Buffer::kBias, "bias"),
-                                              {2, Buffer::kCount, Access::kSums, "sums"},
-                                              capture(0, Buffer::kWeights)};
-
-constexpr const char* kPosedOutputs[] = {"posed_position", "posed_normal", "posed_tangent"};
-constexpr const char* kPairOutputs[] = {"pair0", "pair1", "pair2", "pair3",
-                                        "pair4", "pair5", "pair6", "pair7"};
-static_assert(std::size(kPairOutputs) * 2 == kMaxLayers);
-
-uint32_t word(float value) {
-  uint32_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  return bits;
-}
+constexpr Binding kRespondBindings[] = {kFrameBinding,
+                                        storage(0, Buffer::kVertexPoint, "vertex_point"),
+                                        storage(2, Buffer::kPointQ, "point_q"),
+                                        storage(3, Buffer::kWeights, "weights"),
+                                        storage(4, Buffer::kState, "state"),
+                                        storage(6, Buffer::kBias, "bias")};
 
 std::vector<uint32_t> restVertexWords(const AssetView& asset) {
   std::vector<uint32_t> words;
-  words.reserve(size_t{asset.vertexCount()} * gpu::kRestVertexWords);
+  words.reserve(size_t{asset.vertexCount()} * (3 + gpu::kRestFrameWords));
+  for (const Float3& p : asset.positions)
+    for (float value : {p.x, p.y, p.z}) words.push_back(wordOf(value));
   for (uint32_t v = 0; v < asset.vertexCount(); ++v) {
-    const Float3 p = asset.positions[v];
     const Float3 n = asset.normals[v];
     const Float4 t = asset.tangents[v];
-    for (float value : {p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w}) words.push_back(word(value));
+    for (float value : {n.x, n.y, n.z, t.x, t.y, t.z, t.w}) words.push_back(wordOf(value));
   }
   return words;
 }
@@ -106,7 +64,7 @@ std::vector<uint32_t> influenceWords(const AssetView& asset) {
 std::vector<uint32_t> coefficientWords(const AssetView& asset) {
   std::vector<uint32_t> words;
   for (const Layer& layer : asset.layers)
-    for (float value : layer.coefficients) words.push_back(word(value));
+    for (float value : layer.coefficients) words.push_back(wordOf(value));
   return words;
 }
 
@@ -131,33 +89,11 @@ std::vector<uint32_t> biasWords(const AssetView& asset) {
   return words;
 }
 
-// A triangle: bit l says that layer l measures it.
-std::vector<uint32_t> measuringLayers(const AssetView& asset) {
-  std::vector<uint32_t> bits(asset.triangleCount());
-  for (uint32_t l = 0; l < asset.layerCount(); ++l) {
-    const uint32_t each = coefficientCount(asset.layers[l].measure);
-    for (uint32_t t = 0; t < asset.triangleCount(); ++t)
-      for (float value : asset.layers[l].coefficients.subspan(size_t{t} * each, each))
-        if (value != 0.0f) bits[t] |= 1u << l;
-  }
-  return bits;
-}
-
-// Rest angles by corner, as in the rings; 0 for a triangle that is in none.
-std::vector<uint16_t> cornerAngles(const AssetView& asset) {
-  std::vector<uint16_t> angles(asset.indices.size());
-  for (uint32_t p = 0; p < asset.pointCount(); ++p)
-    for (uint32_t i = asset.ring_offsets[p]; i < asset.ring_offsets[p + 1]; ++i)
-      for (size_t c = 0; c < 3; ++c) {
-        const size_t corner = 3 * size_t{asset.ring_triangles[i]} + c;
-        if (asset.vertex_point[asset.surface_indices[corner]] == p) angles[corner] = asset.ring_weights[i];
-      }
-  return angles;
-}
-
 }  // namespace
 
+// `bytes` of one instance, if it is of instances.
 BufferDesc& FramePlan::add(Buffer id, const char* name, Lifetime lifetime, uint64_t bytes) {
+  if (lifetime == Lifetime::kPerInstance) bytes *= options_.instances;
   return buffers_[static_cast<size_t>(id)] = {name, lifetime, bytes, {}};
 }
 
@@ -172,11 +108,12 @@ void FramePlan::fillWords(Buffer id, const char* name, std::vector<uint32_t> wor
 
 FramePlan::FramePlan(const AssetView& asset, const PlanOptions& options) : asset_(&asset), options_(options) {
   words_.reserve(static_cast<size_t>(Buffer::kCount));
+  if (options.form == Form::kClustered && !addClustered()) options_.form = Form::kStaged;
+  if (options_.form != Form::kClustered) options_.instances = 1;
+  if (options_.form == Form::kRaster) options_.ease = false;
   addCommon();
-  if (options.form == Form::kStaged)
-    addStaged();
-  else
-    addRaster();
+  if (options_.form == Form::kStaged) addStaged();
+  if (options_.form == Form::kRaster) addRaster();
 }
 
 void FramePlan::addCommon() {
@@ -188,11 +125,16 @@ void FramePlan::addCommon() {
   add(Buffer::kPositions, "furrow posed positions", Lifetime::kPerInstance, vertices * sizeof(Float3));
   add(Buffer::kWeights, "furrow weights", Lifetime::kPerInstance,
       vertices * asset.weightStride() * sizeof(int16_t));
+  if (options_.ease)
+    add(Buffer::kState, "furrow state", Lifetime::kPerInstance,
+        vertices * asset.weightStride() * sizeof(float));
   if (options_.posed_by_host) return;
   fillWords(Buffer::kRestVertices, "furrow rest vertices", restVertexWords(asset));
   fillWords(Buffer::kInfluences, "furrow influences", influenceWords(asset));
-  fill(Buffer::kMorphEntries, "furrow morph entries", std::as_bytes(asset.morph_entries));
-  add(Buffer::kPalette, "furrow palette", Lifetime::kPerInstance, asset.palette.size() * sizeof(Affine));
+  if (options_.form != Form::kClustered)
+    fill(Buffer::kMorphEntries, "furrow morph entries", std::as_bytes(asset.morph_entries));
+  add(Buffer::kPalette, "furrow palette", Lifetime::kPerInstance,
+      asset.palette.size() * (options_.skinning == Skinning::kLinear ? sizeof(Affine) : sizeof(JointMotion)));
   add(Buffer::kMorphWeights, "furrow morph weights", Lifetime::kPerInstance,
       asset.morphs.size() * sizeof(Float2));
   if (!options_.normals) return;
@@ -214,13 +156,12 @@ void FramePlan::addStaged() {
 
   const auto dispatch = [&](const char* label, Shader shader, uint32_t count,
                             std::span<const Binding> bindings) {
-    constexpr uint32_t kMaxGroups = 65535;  // in one dimension, as OpenGL and Vulkan guarantee
     const uint32_t groups = (count + gpu::kGroupSize - 1) / gpu::kGroupSize;
-    const uint32_t rows = (groups + kMaxGroups - 1) / kMaxGroups;
     items_.push_back({.kind = ItemKind::kDispatch,
                       .label = label,
                       .shader = shader,
-                      .groups = {rows ? (groups + rows - 1) / rows : 0, rows},
+                      .groups = {std::min(groups, gpu::kGroupColumns),
+                                 (groups + gpu::kGroupColumns - 1) / gpu::kGroupColumns},
                       .bindings = bindings});
     items_.push_back({.kind = ItemKind::kBarrier, .label = label});
   };
@@ -229,80 +170,6 @@ void FramePlan::addStaged() {
   dispatch("furrow compress", Shader::kCompress, asset.triangleCount(), kCompressBindings);
   dispatch("furrow smooth", Shader::kSmooth, asset.pointCount(), kSmoothBindings);
   dispatch("furrow respond", Shader::kRespond, asset.vertexCount(), kRespondBindings);
-}
-
-void FramePlan::addRaster() {
-  const AssetView& asset = *asset_;
-  if (!options_.posed_by_host) {
-    const size_t outputs = options_.normals ? 3 : 1;
-    items_.push_back(
-        {.kind = ItemKind::kDraw,
-         .label = "furrow deform",
-         .shader = Shader::kRasterDeform,
-         .count = asset.vertexCount(),
-         .bindings = std::span(kRasterDeformBindings).first(std::size(kRasterDeformBindings) - 3 + outputs),
-         .captured = std::span(kPosedOutputs).first(outputs)});
-    items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow deform"});
-  }
-  addSlices();
-  items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow measure"});
-  items_.push_back({.kind = ItemKind::kDraw,
-                    .label = "furrow respond",
-                    .shader = Shader::kRasterRespond,
-                    .count = asset.vertexCount(),
-                    .bindings = kRasterRespondBindings,
-                    .captured = std::span(kPairOutputs).first(asset.weightStride() / 2)});
-  items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow respond"});
-}
-
-void FramePlan::addSlices() {
-  const AssetView& asset = *asset_;
-  const std::vector<uint16_t> angles = cornerAngles(asset);
-  const std::vector<uint32_t> measuring = measuringLayers(asset);
-  std::vector<uint32_t> indices, measured;
-  uint32_t done = 0;  // bit l: layer l has its slice
-  for (uint32_t l = 0; l < asset.layerCount(); ++l) {
-    std::vector<uint32_t> triangles;
-    for (uint32_t t = 0; t < asset.triangleCount(); ++t)
-      if (measuring[t] >> l & 1u) triangles.push_back(t);
-    if (done >> l & 1u || triangles.empty()) continue;
-    Slice slice = {{kAbsent, kAbsent, kAbsent}, static_cast<uint32_t>(measured.size()), 3};
-    uint32_t count = 0;
-    for (uint32_t other = l; other < asset.layerCount() && count < gpu::kLayersASlice; ++other) {
-      const bool same = std::all_of(measuring.begin(), measuring.end(),
-                                    [&](uint32_t bits) { return (bits >> l & 1u) == (bits >> other & 1u); });
-      if (done >> other & 1u || !same) continue;
-      done |= 1u << other;
-      slice.layers[count++] = other;
-      slice.record_words += coefficientCount(asset.layers[other].measure);
-    }
-    const auto index = static_cast<uint32_t>(slices_.size());
-    items_.push_back({.kind = ItemKind::kClear, .label = "furrow clear sums", .slice = index});
-    items_.push_back({.kind = ItemKind::kDraw,
-                      .label = "furrow measure",
-                      .shader = Shader::kRasterMeasure,
-                      .first = static_cast<uint32_t>(indices.size()),
-                      .count = static_cast<uint32_t>(3 * triangles.size()),
-                      .slice = index,
-                      .bindings = kRasterMeasureBindings});
-    for (uint32_t t : triangles) {
-      for (size_t c = 0; c < 3; ++c) {
-        indices.push_back(asset.surface_indices[3 * size_t{t} + c]);
-        measured.push_back(word(static_cast<float>(angles[3 * size_t{t} + c])));
-      }
-      for (uint32_t c = 0; c < count; ++c) {
-        const Layer& layer = asset.layers[slice.layers[c]];
-        const uint32_t each = coefficientCount(layer.measure);
-        for (float value : layer.coefficients.subspan(size_t{t} * each, each))
-          measured.push_back(word(value));
-      }
-    }
-    slices_.push_back(slice);
-  }
-  fillWords(Buffer::kSurfaceIndices, "furrow measured corners", std::move(indices));
-  fillWords(Buffer::kMeasured, "furrow measured triangles", std::move(measured));
-  sums_ = {gpu::kSumsWidth, (asset.pointCount() + gpu::kSumsWidth - 1) / gpu::kSumsWidth,
-           static_cast<uint32_t>(slices_.size())};
 }
 
 void FramePlan::writeFrame(const FrameInput& input, std::span<std::byte> out) const {
@@ -317,7 +184,14 @@ void FramePlan::writeFrame(const FrameInput& input, std::span<std::byte> out) co
   frame.with_normals = options_.normals;
   frame.with_bias = buffer(Buffer::kBias).bytes > 0;
   frame.inverse_scale2 = 1.0f / (input.scale * input.scale);
+  frame.fade = input.fade;
   frame.sums_height = sums_.height;
+  frame.joints = static_cast<uint32_t>(asset.palette.size());
+  frame.dual_quaternions = options_.skinning == Skinning::kDualQuaternion;
+  frame.posed_by_host = options_.posed_by_host;
+  frame.with_ease = options_.ease;
+  frame.with_point_q = buffer(Buffer::kPointQ).bytes > 0;
+  frame.active_layers = input.active_layers;
   uint32_t first = 0;
   for (uint32_t l = 0; l < frame.layers; ++l) {
     const Layer& layer = asset.layers[l];
@@ -332,6 +206,9 @@ void FramePlan::writeFrame(const FrameInput& input, std::span<std::byte> out) co
     to.first_coefficient = first;
     to.region = input.region_weights.empty() ? 0.0f : input.region_weights[l];
     to.slice = gpu::kNoLayer;
+    const Ease ease = input.reset || input.eases.empty() ? Ease() : input.eases[l];
+    to.attack = easeStep(ease.attack, input.seconds);
+    to.release = easeStep(ease.release, input.seconds);
     first += static_cast<uint32_t>(layer.coefficients.size());
   }
   for (uint32_t s = 0; s < slices_.size(); ++s) {
@@ -353,35 +230,6 @@ void FramePlan::writeMorphWeights(const FrameInput& input, std::span<std::byte> 
                           input.morph_weights[m] * morphs[m].normal_step};
     std::memcpy(out.data() + m * sizeof steps, &steps, sizeof steps);
   }
-}
-
-const ShaderSource& shaderSource(Shader shader) {
-  using namespace shader_text;
-  constexpr size_t kShaders = static_cast<size_t>(Shader::kCount);
-  static const std::array<std::array<std::string, 3>, kShaders> texts = [] {
-    const std::string compute = std::string("#version 430\n") + kLayout + kPrelude;
-    const std::string raster =
-        std::string("#version 330 core\n#extension GL_ARB_gpu_shader5 : enable\n") + kLayout + kPreludeRaster;
-    return std::array<std::array<std::string, 3>, kShaders>{
-        {{compute + kNumbers + kPose + kDeform},
-         {compute + kMeasure + kCompress},
-         {compute + kSmooth},
-         {compute + kNumbers + kResponse + kRespond},
-         {raster + kNumbers + kPose + kRasterDeform},
-         {raster + kRasterCorners, raster + kMeasure + kRasterMeasure, raster + kRasterSum},
-         {raster + kNumbers + kResponse + kRasterRespond}}};
-  }();
-  static const std::array<ShaderSource, kShaders> sources = [] {
-    std::array<ShaderSource, kShaders> all;
-    for (size_t i = 0; i < kShaders; ++i) {
-      const bool raster = i >= static_cast<size_t>(Shader::kRasterDeform);
-      (raster ? all[i].vertex : all[i].compute) = texts[i][0].c_str();
-      if (!texts[i][1].empty()) all[i].geometry = texts[i][1].c_str();
-      if (!texts[i][2].empty()) all[i].fragment = texts[i][2].c_str();
-    }
-    return all;
-  }();
-  return sources[static_cast<size_t>(shader)];
 }
 
 }  // namespace furrow

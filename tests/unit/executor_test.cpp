@@ -146,7 +146,7 @@ TEST_P(ExecutorTest, LayersOfAnyMeasureAndCoverage) {
   pose.m[0] = 0.8f, pose.m[1] = 0.6f, pose.m[4] = -0.6f, pose.m[5] = 0.8f, pose.m[3] = 3.5f;
   const Frame staged = evaluate(view, {0.7f}, pose, 1.25f, 0.125f);
 
-  const FramePlan plan(view, {.form = GetParam(), .normals = false});
+  const FramePlan plan(view, {.form = GetParam(), .normals = false, .point_q = true});
   gl::Executor executor;
   const Status status = executor.create(plan);
   ASSERT_TRUE(status.ok()) << status.message;
@@ -166,6 +166,132 @@ TEST_P(ExecutorTest, LayersOfAnyMeasureAndCoverage) {
       staged.weights);
 }
 
+class ComputeTest : public ExecutorTest {};
+
+// Weights on their way and fading out, over frames of different lengths, a cut and a layer that is switched
+// off.
+TEST_P(ComputeTest, WeightsFollowInTimeAsOnTheCpu) {
+  const AssetView& asset = ball_.view();
+  const FramePlan plan(asset, {.form = GetParam(), .normals = false, .ease = true});
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  const std::vector<Ease> eases = {{6.0f, 2.0f}, {0.0f, 3.0f}};
+  std::vector<float> state(size_t{asset.vertexCount()} * asset.weightStride());
+  frame_.eases = eases;
+  const struct {
+    float seconds, down, fade;
+    bool reset;
+  } steps[] = {{0.1f, 0.0f, 1.0f, true},
+               {0.1f, 0.2f, 1.0f, false},
+               {0.03f, 0.21f, 0.5f, false},
+               {0.2f, 0.0f, 1.0f, false},
+               {0.1f, 0.1f, 1.0f, true}};
+  for (const auto& step : steps) {
+    palette_[1].m[7] = -step.down;
+    frame_.seconds = step.seconds;
+    frame_.reset = step.reset;
+    frame_.fade = step.fade;
+    std::vector<int16_t> expected = cpuWeights(posed());
+    const EaseJob ease{&asset, eases, step.seconds, step.reset, step.fade, state, expected};
+    ASSERT_TRUE(ease.validate().ok());
+    ease.run(0, asset.vertexCount());
+    executor.upload(frame_);
+    executor.run();
+    const auto weights = read<int16_t>(executor, Buffer::kWeights, expected.size());
+    for (size_t i = 0; i < weights.size(); ++i) ASSERT_NEAR(weights[i], expected[i], 4) << step.seconds;
+  }
+  frame_.active_layers = 2u;
+  executor.upload(frame_);
+  executor.run();
+  const auto weights = read<int16_t>(executor, Buffer::kWeights, state.size());
+  for (size_t v = 0; v < asset.vertexCount(); ++v) ASSERT_EQ(weights[v * asset.weightStride()], 0);
+}
+
+TEST_P(ExecutorTest, DualQuaternionsPoseAsOnTheCpu) {
+  const AssetView& asset = ball_.view();
+  palette_[1] = {{0, -1, 0, 0.1f, 1, 0, 0, 0.2f, 0, 0, 1.5f, 0.3f}};
+  std::vector<JointMotion> motions(2);
+  splitPalette(palette_, motions);
+  frame_.motions = motions;
+  std::vector<Float3> positions(asset.vertexCount()), normals(asset.vertexCount());
+  std::vector<Float4> tangents(asset.vertexCount());
+  DeformJob job{&asset, palette_, morph_, positions, normals, tangents};
+  job.skinning = Skinning::kDualQuaternion;
+  job.motions = motions;
+  ASSERT_TRUE(job.validate().ok());
+  job.run(0, asset.vertexCount());
+  const FramePlan plan(asset, {.form = GetParam(), .skinning = Skinning::kDualQuaternion});
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  executor.upload(frame_);
+  executor.run();
+  const auto gpu = read<Float3>(executor, Buffer::kPositions, positions.size());
+  EXPECT_EQ(std::memcmp(gpu.data(), positions.data(), positions.size() * sizeof(Float3)), 0);
+  const auto gpu_normals = read<Float3>(executor, Buffer::kNormals, normals.size());
+  const auto gpu_tangents = read<Float4>(executor, Buffer::kTangents, tangents.size());
+  for (size_t v = 0; v < normals.size(); ++v) {
+    ASSERT_NEAR(gpu_normals[v].x, normals[v].x, 1e-5f);
+    ASSERT_NEAR(gpu_normals[v].z, normals[v].z, 1e-5f);
+    ASSERT_NEAR(gpu_tangents[v].y, tangents[v].y, 1e-5f);
+    ASSERT_EQ(gpu_tangents[v].w, tangents[v].w);
+  }
+}
+
+class ClusteredTest : public ExecutorTest {};
+
+TEST_P(ClusteredTest, ManyInstancesInOneDispatch) {
+  const AssetView& asset = ball_.view();
+  constexpr uint32_t kInstances = 5;
+  const FramePlan plan(asset, {.normals = false, .instances = kInstances});
+  ASSERT_EQ(plan.items()[0].groups[1], kInstances);
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  const size_t words = size_t{asset.vertexCount()} * asset.weightStride();
+  const auto pose = [&](uint32_t instance, float more) {
+    palette_[1].m[7] = -0.05f * static_cast<float>(instance) - more;
+    morph_[0] = 0.2f * static_cast<float>(instance);
+    executor.upload(frame_, instance);
+    return cpuWeights(posed());
+  };
+  const auto weightsOf = [&](uint32_t instance) {
+    std::vector<int16_t> weights(words);
+    executor.read(Buffer::kWeights, std::as_writable_bytes(std::span(weights)),
+                  instance * plan.instanceBytes(Buffer::kWeights));
+    return weights;
+  };
+  std::vector<std::vector<int16_t>> expected;
+  for (uint32_t i = 0; i < kInstances; ++i) expected.push_back(pose(i, 0.0f));
+  executor.run();
+  for (uint32_t i = 1; i < kInstances; ++i) expectSameWeights(weightsOf(i), expected[i]);
+  // Of the instances that are due, in any order; the others keep what they have.
+  for (uint32_t i = 0; i < kInstances; ++i) {
+    const auto moved = pose(i, 0.04f);
+    if (i == 3 || i == 1) expected[i] = moved;
+  }
+  const uint32_t due[] = {3, 1};
+  executor.run(due);
+  for (uint32_t i = 1; i < kInstances; ++i) expectSameWeights(weightsOf(i), expected[i]);
+  executor.run();
+  expectSameWeights(weightsOf(2), pose(2, 0.04f));
+}
+
+// A point in more triangles than a cluster of the GPU holds.
+TEST_P(ClusteredTest, WhatClustersCannotHoldIsStaged) {
+  Primitive fan;
+  constexpr uint32_t kBlades = 3000;
+  fan.positions.push_back({0, 0, 0});
+  for (uint32_t i = 0; i < kBlades; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kBlades;
+    fan.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.0f});
+    fan.indices.insert(fan.indices.end(), {0u, 1 + i, 1 + (i + 1) % kBlades});
+  }
+  const Asset asset = cookAsset(sceneOf(fan, [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y, p.z); }),
+                                recipeOf({axisLayer({1, 0, 0})}));
+  const FramePlan plan(asset.view(), {.instances = 4});
+  EXPECT_EQ(plan.options().form, Form::kStaged);
+  EXPECT_EQ(plan.options().instances, 1u);
+}
+
 TEST_P(ExecutorTest, CanBeMadeAgain) {
   const FramePlan plan(ball_.view(), {.form = GetParam()});
   gl::Executor executor;
@@ -177,6 +303,10 @@ TEST_P(ExecutorTest, CanBeMadeAgain) {
   EXPECT_NE(executor.handle(Buffer::kWeights), 0u);
 }
 
+INSTANTIATE_TEST_SUITE_P(Clustered, ExecutorTest, testing::Values(Form::kClustered));
+INSTANTIATE_TEST_SUITE_P(Clustered, ComputeTest, testing::Values(Form::kClustered));
+INSTANTIATE_TEST_SUITE_P(Staged, ComputeTest, testing::Values(Form::kStaged));
+INSTANTIATE_TEST_SUITE_P(Clustered, ClusteredTest, testing::Values(Form::kClustered));
 INSTANTIATE_TEST_SUITE_P(Staged, ExecutorTest, testing::Values(Form::kStaged));
 INSTANTIATE_TEST_SUITE_P(Raster, ExecutorTest, testing::Values(Form::kRaster));
 

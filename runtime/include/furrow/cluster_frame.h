@@ -28,6 +28,13 @@ inline constexpr uint32_t kRingLanes = 8;
 // Slots are posed this many at a time.
 inline constexpr uint32_t kPoseLanes = 16;
 
+// What a cluster may hold.
+struct ClusterLimits {
+  uint32_t points = kClusterPoints;  // owned
+  uint32_t slots = 16384;            // at most so many: a corner is 4 * slot in 16 bits
+  uint32_t triangles = 65520;        // at most so many: a ring entry has 16 bits
+};
+
 // One cluster: where its data begin in Clusters::words. 16-bit data lie two to a word, the lower first.
 struct Cluster {
   uint32_t points;  // owned; the first slots
@@ -57,9 +64,9 @@ class Clusters {
 
   // Takes O(n log n) time and about 32 bytes a triangle and 10 more a layer, and allocates; `asset` must
   // outlive it. Fails with kOutOfMemory, or kUnavailable where a single point is in more triangles than a
-  // cluster can number (about 16,000): such an asset has the staged jobs alone. The same asset gives the same
+  // cluster may hold (about 16,000): such an asset has the staged jobs alone. The same asset gives the same
   // clusters everywhere.
-  Status build(const AssetView& asset);
+  Status build(const AssetView& asset, const ClusterLimits& limits = {});
 
   uint32_t count() const { return static_cast<uint32_t>(clusters.size()); }
   // Bytes of scratch memory that every thread needs, aligned to 64.

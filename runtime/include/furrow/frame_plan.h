@@ -3,49 +3,57 @@
 // The frame on a GPU, as a list of items that a host records in its own graphics API. furrow::gl is one
 // executor.
 //
-// Buffers are 32-bit words. Shader source is text that the runtime embeds (shaders/): GLSL 4.30 for compute,
-// GLSL 3.30 for the raster form.
+// Buffers are 32-bit words. Shader source is text that the runtime embeds (shaders/): for compute GLSL 4.30,
+// HLSL and SPIR-V, for the raster form GLSL 3.30. docs/integration.md walks through it.
 
 #include <span>
 #include <vector>
 
 #include "furrow/asset.h"
 #include "furrow/jobs.h"
+#include "furrow/skinning.h"
 
 namespace furrow {
 
 // How the frame is computed; every form gives the same weights.
 enum class Form : uint8_t {
-  kStaged = 0,  // compute: a dispatch a stage, over vertices, triangles, points and vertices
-  kRaster,  // OpenGL 3.3 without compute [Oat]: vertices posed and answered by transform feedback, q x angle
-            // added up by blending points into a float target
+  kClustered = 0,  // compute, the fast path: one dispatch, a work-group a cluster and instance, no array
+                   // between stages in memory. Needs 16 storage buffers and 21 KB of shared memory
+  kStaged,  // compute: a dispatch a stage, over vertices, triangles, points and vertices; the reference, and
+            // for assets that clusters cannot hold
+  kRaster,  // OpenGL 3.3 without compute [Oat]: vertices are posed and answered by transform feedback,
+            // q x angle is added up by blending points into a float target
 };
 
-// Buffers of the plan. A host makes one of each size > 0 per asset (kPerAsset) or per instance
-// (kPerInstance).
+// Buffers of the plan. A host makes one of each size > 0: kPerAsset ones once an asset, kPerInstance ones
+// once a plan, holding PlanOptions::instances parts of one size, one behind the other.
 enum class Buffer : uint8_t {
   // Per asset, filled once from BufferDesc::initial.
-  kRestVertices = 0,  // kRestVertexWords (layout.h) a vertex
+  kRestVertices = 0,  // float3 a vertex: positions; then 7 floats a vertex: normal, tangent
   kInfluences,        // a word each pair: joint | weight << 16
   kMorphEntries,      // AssetView::morph_entries
   kSurfaceIndices,    // AssetView::surface_indices; in the raster form, of the triangles of each slice
   kCoefficients,      // all layers, one after the other
   kRingOffsets,
   kRingTriangles,
-  kRingWeights,  // uint16 pairs
-  kMeasured,     // raster form: the records of each slice's triangles (layout.h)
+  kRingWeights,   // uint16 pairs
+  kMeasured,      // raster form: the records of each slice's triangles (layout.h)
+  kClusterTable,  // clustered form: what each cluster is, and its morph targets (layout.h)
+  kClusterData,   // clustered form: Clusters::words
   kVertexPoint,
   kBias,  // snorm16 pairs: weightStride a vertex; size 0 where no layer has a bias
   // Per instance, written by the host every frame.
-  kPalette,       // Affine a palette entry
+  kPalette,       // Affine a palette entry, or JointMotion for dual quaternion skinning
   kMorphWeights,  // float2 a morph, see writeMorphWeights()
-  kFrame,         // FrameConstants (layout.h)
+  kFrame,         // FrameConstants (layout.h), see writeFrame()
+  kInstances,     // clustered form: the instances to run, a word each; at first all
   // Per instance, written by the GPU.
   kPositions,  // float3 a vertex, posed; the host's own posed vertices where PlanOptions::posed_by_host
   kNormals,    // float3 a vertex
   kTangents,   // float4 a vertex
   kTriangleQ,  // float, a triangle a layer: layer * triangles + triangle
   kPointQ,     // float, a point a layer
+  kState,      // float, weightStride a vertex: of attack and release; not initialised, see FrameInput::reset
   kWeights,    // snorm16 pairs: weightStride a vertex
   kCount,
 };
@@ -65,7 +73,8 @@ struct SumsDesc {
 };
 
 enum class Shader : uint8_t {
-  kDeform = 0,
+  kCluster = 0,
+  kDeform,
   kCompress,
   kSmooth,
   kRespond,
@@ -94,12 +103,13 @@ struct Binding {
 };
 
 enum class ItemKind : uint8_t {
-  kDispatch,  // run `shader` with groups[0] x groups[1] work-groups
-  kDraw,      // draw `count` points numbered from 0 with the rasteriser off, capturing `captured`; or, where
-              // there are indices, `count` corners of triangles from index `first`, without depth, blended
-              // ONE, ONE into slice `slice` of the sums, which the shader's uniform `item` names too
-  kClear,     // set slice `slice` of the sums to 0
-  kBarrier,   // what was written before is read after
+  kDispatch,  // run `shader` with groups[0] x groups[1] work-groups; in the clustered form groups[1] is the
+              // number of kInstances to run, where the host may put fewer than all
+  kDraw,     // draw `count` points numbered from 0 with the rasteriser off, capturing `captured`; or, where
+             // there are indices, `count` corners of triangles from index `first`, without depth, blended
+             // ONE, ONE into slice `slice` of the sums, which the shader's uniform `item` names too
+  kClear,    // set slice `slice` of the sums to 0
+  kBarrier,  // what was written before is read after
 };
 
 struct Item {
@@ -116,18 +126,29 @@ struct Item {
 };
 
 struct PlanOptions {
-  Form form = Form::kStaged;
-  bool posed_by_host = false;  // the host fills kPositions; the plan has no deform item
+  Form form = Form::kClustered;
+  bool posed_by_host = false;  // the host fills kPositions, the plan poses nothing
   bool normals = true;         // pose normals and tangents too
+  Skinning skinning = Skinning::kLinear;
+  bool ease = false;       // attack and release of weights; not in the raster form
+  bool point_q = false;    // the clustered form writes kPointQ too, for tools
+  uint32_t instances = 1;  // >= 1; more than one in the clustered form alone
 };
 
-// Everything that changes from frame to frame.
+// Everything that changes from frame to frame, of one instance.
 struct FrameInput {
   std::span<const Affine> palette;       // AssetView::palette, translations relative to the instance's origin
   std::span<const float> morph_weights;  // AssetView::morphs
-  std::span<const float> region_weights;  // a layer, from driveRegions(); or empty: 0
-  std::span<const Response> responses;    // a layer; or empty: those of the asset
-  float scale = 1.0f;                     // uniform scale of the instance that the palette contains, > 0
+  std::span<const float> region_weights;      // a layer, from driveRegions(); or empty: 0
+  std::span<const Response> responses;        // a layer; or empty: those of the asset
+  float scale = 1.0f;                         // uniform scale of the instance that the palette contains, > 0
+  std::span<const JointMotion> motions = {};  // a palette entry, for dual quaternion skinning: splitPalette()
+  // As in EaseJob.
+  std::span<const Ease> eases = {};  // a layer; or empty: at once
+  float seconds = 0.0f;              // since the last frame, >= 0
+  bool reset = false;                // for the first frame, cuts and teleports
+  float fade = 1.0f;                 // [0, 1], with distance
+  uint32_t active_layers = 0xffffu;  // bit l: layer l is computed; the others cost nothing and weigh 0
 };
 
 class FramePlan {
@@ -136,14 +157,19 @@ class FramePlan {
   FramePlan(const AssetView& asset, const PlanOptions& options);
 
   const AssetView& asset() const { return *asset_; }
+  // As asked for, but staged and of one instance where clusters cannot hold the asset, and of one instance in
+  // the forms that have no more.
   const PlanOptions& options() const { return options_; }
   const BufferDesc& buffer(Buffer id) const { return buffers_[static_cast<size_t>(id)]; }
   const SumsDesc& sums() const { return sums_; }
   std::span<const Item> items() const { return items_; }
 
-  // The bytes of kFrame for one frame; `out` holds the buffer's size.
+  // Bytes of one instance in a kPerInstance buffer.
+  uint64_t instanceBytes(Buffer id) const { return buffer(id).bytes / options_.instances; }
+
+  // The bytes of kFrame for one frame of one instance; `out` holds instanceBytes().
   void writeFrame(const FrameInput& input, std::span<std::byte> out) const;
-  // The bytes of kMorphWeights: weight * position_step, weight * normal_step a morph.
+  // The bytes of kMorphWeights likewise: weight * position_step, weight * normal_step a morph.
   void writeMorphWeights(const FrameInput& input, std::span<std::byte> out) const;
 
   // A slice of the sums: up to three layers that measure the same triangles.
@@ -158,6 +184,7 @@ class FramePlan {
   void fill(Buffer id, const char* name, std::span<const std::byte> initial);
   void fillWords(Buffer id, const char* name, std::vector<uint32_t> words);
   void addCommon();
+  bool addClustered();
   void addStaged();
   void addRaster();
   void addSlices();
@@ -171,9 +198,14 @@ class FramePlan {
   std::vector<std::vector<uint32_t>> words_;  // what `initial` points into where the asset has no such array
 };
 
-// Complete source of each stage, `#version` first; null: no such stage.
+// Complete source of each stage of a shader; null: no such stage. `hlsl` has the entry point main of profile
+// cs_5_1 or later. `spirv` is a module for Vulkan 1.0 with the entry point main: storage buffers in
+// descriptor set 0, uniform buffers in set 1, bound to the slots of the bindings; empty where furrow was
+// built without glslangValidator.
 struct ShaderSource {
-  const char *compute = nullptr, *vertex = nullptr, *geometry = nullptr, *fragment = nullptr;
+  const char *compute = nullptr, *vertex = nullptr, *geometry = nullptr, *fragment = nullptr;  // GLSL
+  const char* hlsl = nullptr;
+  std::span<const uint32_t> spirv = {};
 };
 const ShaderSource& shaderSource(Shader shader);
 

@@ -19,16 +19,19 @@ class Executor {
   // the executor.
   Status create(const FramePlan& plan);
 
-  // Uploads kFrame and, unless posed by the host, kPalette and kMorphWeights. `input` must fit the asset.
-  void upload(const FrameInput& input);
-  void upload(Buffer buffer, std::span<const std::byte> bytes);  // at most the buffer's size
+  // Uploads an instance's kFrame and, unless posed by the host, kPalette and kMorphWeights. `input` must fit
+  // the asset.
+  void upload(const FrameInput& input, uint32_t instance = 0);
+  // `offset` + bytes: at most the buffer's size.
+  void upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t offset = 0);
 
-  // Records every item; does not wait. Leaves no program, vertex array and framebuffer bound; the raster form
-  // also leaves blending and the rasteriser's discarding off and the viewport changed.
-  void run();
+  // Records every item; does not wait. In the clustered form, for `instances` alone (each at most once);
+  // empty: for all. Leaves no program, vertex array and framebuffer bound; the raster form also leaves
+  // blending and the rasteriser's discarding off and the viewport changed.
+  void run(std::span<const uint32_t> instances = {});
 
   // Waits. In the raster form kPointQ is divided from the sums here.
-  void read(Buffer buffer, std::span<std::byte> bytes) const;
+  void read(Buffer buffer, std::span<std::byte> bytes, uint64_t offset = 0) const;
   uint32_t handle(Buffer buffer) const;  // OpenGL name, 0 if unused
 
  private:

@@ -1,0 +1,13 @@
+# The C++ name of an embedded file: k and its name in UpperCamel without its extension (pose_vertex.glsl -> kPoseVertex).
+function(embed_symbol file out)
+  get_filename_component(name ${file} NAME_WE)
+  string(REPLACE "_" ";" words ${name})
+  set(symbol k)
+  foreach(word IN LISTS words)
+    string(SUBSTRING ${word} 0 1 first)
+    string(SUBSTRING ${word} 1 -1 rest)
+    string(TOUPPER ${first} first)
+    string(APPEND symbol ${first}${rest})
+  endforeach()
+  set(${out} ${symbol} PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,11 @@
+# A header with an array of 32-bit words for each of FILES, named like embed.cmake's texts.
+set(text "#pragma once\n\n#include <cstdint>\n\nnamespace ${NAMESPACE} {\n")
+include(${CMAKE_CURRENT_LIST_DIR}/embed_symbol.cmake)
+foreach(file IN LISTS FILES)
+  embed_symbol(${file} symbol)
+  file(READ ${file} hex HEX)
+  string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${hex}")
+  string(APPEND text "inline constexpr uint32_t ${symbol}[] = {${words}};\n")
+endforeach()
+string(APPEND text "}  // namespace ${NAMESPACE}\n")
+file(WRITE ${OUT} "${text}")

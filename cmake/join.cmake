@@ -1,0 +1,11 @@
+# Writes OUT: each of PARTS is a file, or a line as it is.
+set(text)
+foreach(part IN LISTS PARTS)
+  if(IS_ABSOLUTE "${part}")
+    file(READ "${part}" part)
+    string(APPEND text "${part}")
+  else()
+    string(APPEND text "${part}\n")
+  endif()
+endforeach()
+file(WRITE "${OUT}" "${text}")
