@@ -8,6 +8,8 @@
 
 #include "pipeline/error.h"
 #include "pipeline/maps/image_module.h"
+#include "pipeline/maps/png.h"
+#include "pipeline/pack/output_file.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -21,10 +23,10 @@ ImageModule loadImageModule() {
   const auto entry = module ? reinterpret_cast<ImageModuleEntry>(dlsym(module, kImageModuleEntry)) : nullptr;
   if (!entry) {
     const char* const reason = dlerror();
-    throw Error(Exit::kEnvironment, file.string(),
-                "images cannot be read or written without this module (" +
-                    std::string(reason ? reason : "unknown reason") + ")",
-                "put it back beside the program, from the same build, with OpenImageIO installed");
+    throw Error(
+        Exit::kEnvironment, file.string(),
+        "images cannot be read without this module (" + std::string(reason ? reason : "unknown reason") + ")",
+        "put it back beside the program, from the same build, with OpenImageIO installed");
   }
   return entry();
 }
@@ -104,19 +106,9 @@ ByteImage toBytes(const Image& image) {
 }
 
 void writeImage(const std::filesystem::path& file, const Image& image) {
-  const ByteImage bytes = toBytes(image);
-  std::filesystem::path temporary = file;
-  temporary += ".part";
-  const char* const fault =
-      imageModule().write(temporary.c_str(), file.c_str(), bytes.pixels.data(), static_cast<int>(image.width),
-                          static_cast<int>(image.height), static_cast<int>(image.channels));
-  std::error_code error;
-  if (!fault) std::filesystem::rename(temporary, file, error);
-  if (!fault && !error) return;
-  const std::string reason = fault ? fault : error.message();
-  std::filesystem::remove(temporary, error);
-  throw Error(Exit::kEnvironment, file.string(), "the image cannot be written (" + reason + ")",
-              "check the folder, the disk and that the name ends in .png");
+  if (file.extension() != ".png")
+    throw Error(Exit::kBadUsage, file.string(), "images are written as PNG", "give a name that ends in .png");
+  writeFile(file, encodePng(toBytes(image)));
 }
 
 Image resize(const Image& image, uint32_t width, uint32_t height, glm::dvec2 low, glm::dvec2 extent) {

@@ -1,8 +1,8 @@
 #pragma once
 
-// Images in memory and their files, through OpenImageIO. That is in the module furrow_images, which the first
-// image file loads from the program's folder or ../lib/furrow; without it readImage and writeImage throw
-// Error (kEnvironment).
+// Images in memory and their files. They are read through OpenImageIO, which is in the module furrow_images;
+// the first image loads it from the program's folder or ../lib/furrow, and without it readImage throws Error
+// (kEnvironment).
 
 #include <cstdint>
 #include <filesystem>
@@ -54,8 +54,8 @@ std::filesystem::path imageModuleFile();
 // Values cut to [0, 1] and rounded to the nearest of 256.
 ByteImage toBytes(const Image& image);
 
-// 8 bits a channel, format by extension (PNG); written to a temporary beside the file, then renamed. Throws
-// Error (kEnvironment).
+// PNG of 8 bits a channel, whole or not at all (pack/output_file.h). Throws Error (kEnvironment; kBadUsage
+// for a name that does not end in .png).
 void writeImage(const std::filesystem::path& file, const Image& image);
 
 // The image at another size, or a window of it: from `low` over `extent`, in sides. Triangle-filtered, and

@@ -39,22 +39,11 @@ ImageModule::Reading read(const char* file, bool bytes, ImageModule::Place place
   return {true, done ? nullptr : fault(input->geterror())};
 }
 
-const char* write(const char* file, const char* name, const uint8_t* bytes, int width, int height,
-                  int channels) {
-  const auto output = OIIO::ImageOutput::create(name);
-  if (!output) return fault(OIIO::geterror());
-  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-  const bool done =
-      output->open(file, spec) && output->write_image(OIIO::TypeDesc::UINT8, bytes) && output->close();
-  return done ? nullptr : fault(output->geterror());
-}
-
 }  // namespace
 }  // namespace furrow::pipeline
 
 extern "C" [[gnu::visibility("default")]] furrow::pipeline::ImageModule furrowImageModule();
 
 furrow::pipeline::ImageModule furrowImageModule() {
-  return {furrow::pipeline::read, furrow::pipeline::write};
+  return {furrow::pipeline::read};
 }

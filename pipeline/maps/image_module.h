@@ -1,7 +1,7 @@
 #pragma once
 
 // The boundary between the pipeline and the module furrow_images, which alone links OpenImageIO and is loaded
-// by the first image that is read or written: OpenImageIO draws in 260 libraries. Both sides come from one
+// by the first image that is read: OpenImageIO draws in 260 libraries. Both sides come from one
 // build. Functions may be called from any thread.
 
 #include <cstdint>
@@ -20,9 +20,6 @@ struct ImageModule {
 
   // Pixels are floats, or bytes.
   Reading (*read)(const char* file, bool bytes, Place place, void* context);
-  // 8 bits a channel; the extension of `name` says the format.
-  const char* (*write)(const char* file, const char* name, const uint8_t* bytes, int width, int height,
-                       int channels);
 };
 
 // The module's only symbol.

@@ -136,6 +136,16 @@ TEST_F(ImageTest, CannotWriteIntoAMissingFolder) {
   }
 }
 
+TEST_F(ImageTest, WritesPngAlone) {
+  try {
+    writeImage(folder_ / "a.jpg", randomBytes(4, 4, 3));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::kBadUsage);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
 TEST(Resize, KeepsConstantsAndRampsAndHalvesByTheMean) {
   Image ramp{8, 4, 2, {}};
   for (uint32_t i = 0; i < 32; ++i) {
