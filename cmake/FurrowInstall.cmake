@@ -11,7 +11,7 @@ macro(furrow_install component)
   list(APPEND FURROW_COMPONENTS ${component})
 endmacro()
 
-furrow_install(runtime furrow_runtime)
+furrow_install(runtime furrow_runtime furrow_shared)
 install(DIRECTORY runtime/include/furrow DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY runtime/shaders DESTINATION ${CMAKE_INSTALL_DATADIR}/furrow)
 if(FURROW_BUILD_GL)

@@ -74,6 +74,7 @@ void PoseJob::run(uint32_t begin, uint32_t end) const {
   const bool pair = !to.bytes.empty();
   for (uint32_t i = begin; i < end; ++i) {
     const uint32_t e = element.empty() ? i : element[i];
+    if (e == kAbsent && patch) continue;
     Float3 p = {kNan, kNan, kNan};
     if (e != kAbsent) {
       p = furrow::element(from, e);

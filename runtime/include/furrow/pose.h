@@ -40,7 +40,8 @@ struct PoseJob {
   // Which element of the streams each element of `out` is, so that a host may keep its own vertex order;
   // empty: the same one. kAbsent: none, which becomes NaN, and the frame takes q = 1 for its triangles.
   std::span<const uint32_t> element;
-  bool unit = false;  // normals: make the result unit length; +Y where it has no direction
+  bool patch = false;  // leave what is kAbsent as it is: a pose made of several meshes
+  bool unit = false;   // normals: make the result unit length; +Y where it has no direction
   std::span<Float3> out;
 
   Status validate() const;  // reads every `element` once

@@ -1,0 +1,349 @@
+// A frame of an instance: what the host handed in becomes jobs, which are all checked before the first one
+// runs.
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "furrow/drivers.h"
+#include "host_instance.h"
+
+namespace furrow {
+namespace {
+
+// Items of a job that are worth handing to another thread.
+constexpr uint32_t kVertexGrain = 2048, kClusterGrain = 2;
+
+// f(begin, end, worker) over [0, count) by the host's job system. False if the host numbered its workers
+// wrongly.
+template <typename Function>
+bool parallel(const FurrowContext& context, uint32_t count, uint32_t grain, const Function& f) {
+  const FurrowContextDesc& host = context.desc;
+  if (!host.parallel_for || host.workers == 1 || count <= grain) {
+    f(0u, count, 0u);
+    return true;
+  }
+  struct Call {
+    const Function& f;
+    uint32_t workers, count;
+    std::atomic<bool> sound = true;
+  } call{f, host.workers, count};
+  host.parallel_for(
+      host.user, count, grain,
+      [](void* data, uint32_t begin, uint32_t end, uint32_t worker) {
+        Call& c = *static_cast<Call*>(data);
+        if (worker < c.workers && begin <= end && end <= c.count)
+          c.f(begin, end, worker);
+        else
+          c.sound.store(false, std::memory_order_relaxed);
+      },
+      &call);
+  return call.sound.load(std::memory_order_relaxed);
+}
+
+template <typename Job>
+bool parallelJob(const FurrowContext& context, const Job& job, uint32_t count) {
+  return parallel(context, count, kVertexGrain,
+                  [&](uint32_t begin, uint32_t end, uint32_t) { job.run(begin, end); });
+}
+
+Status missing(const char* what, const char* feature) {
+  return Status::error(StatusCode::kInvalidArgument, "%s: create the instance with %s", what, feature);
+}
+
+// How the pose comes about, by one of these.
+struct Pose {
+  const std::byte* direct = nullptr;  // the host's own floats, as they are
+  size_t stride = 0;
+  bool by_clusters = false;  // a palette that the clustered frame poses on the way
+  bool by_deform = false;
+  std::span<const FurrowPosedMesh> meshes;  // into FurrowInstance::positions
+  std::span<const Affine> palette;
+};
+
+// Everything a frame needs, checked.
+struct Plan {
+  Pose pose;
+  std::span<const float> morph_weights;
+  float scale = 1.0f;
+  Response responses[kMaxLayers];
+  float regions[kMaxLayers];
+  Ease eases[kMaxLayers];
+  bool staged = false;
+};
+
+Status planMeshes(const FurrowInstance& instance, const FurrowFrame& frame, Pose& pose) {
+  const AssetView& view = instance.asset.view;
+  pose.meshes = {frame.meshes, frame.mesh_count};
+  if (frame.mesh_count == 0) return invalid("frame.mesh_count is 0");
+  if (frame.key_curve > FURROW_KEYS_QUADRATIC) return invalid("frame.key_curve is unknown");
+  if (!std::isfinite(frame.key_time)) return invalid("frame.key_time is not finite");
+  for (const FurrowPosedMesh& mesh : pose.meshes) {
+    VertexStream from, to;
+    if (Status s = readStream(mesh.from, "mesh.from", from); !s.ok()) return s;
+    if (mesh.to.data)
+      if (Status s = readStream(mesh.to, "mesh.to", to); !s.ok()) return s;
+    if (mesh.binding && &mesh.binding->asset != &instance.asset)
+      return invalid("mesh.binding is of another asset: bind the mesh to this one");
+    if (!mesh.binding && frame.mesh_count > 1) return invalid("of several meshes, each needs its binding");
+    PoseJob job;
+    job.from = from, job.to = to;
+    if (Status s = job.validate(); !s.ok()) return s;
+    const uint32_t vertices = mesh.binding ? mesh.binding->vertexCount() : view.vertexCount();
+    if (from.count() < vertices || (mesh.to.data && to.count() < vertices))
+      return Status::error(StatusCode::kInvalidArgument, "a mesh's stream holds fewer than %u vertices",
+                           vertices);
+    if (!mesh.binding && !mesh.to.data && from.format == VertexFormat::kFloat3 &&
+        from.stride % sizeof(float) == 0 && instance.positions.empty()) {
+      pose.direct = from.bytes.data() + from.offset;
+      pose.stride = from.stride;
+      return {};
+    }
+  }
+  if (instance.positions.empty())
+    return missing("halves, bindings, key frames and odd strides", "FURROW_KEEP_POSITIONS");
+  return {};
+}
+
+Status planPalette(const FurrowInstance& instance, const FurrowFrame& frame, bool staged, Pose& pose) {
+  const AssetView& view = instance.asset.view;
+  if (!frame.palette) return invalid("frame has neither palette nor meshes");
+  if (frame.palette_count != view.palette.size())
+    return Status::error(StatusCode::kInvalidArgument, "frame.palette_count is %u, the asset has %zu",
+                         frame.palette_count, view.palette.size());
+  if (frame.skinning > FURROW_SKINNING_DUAL_QUATERNION) return invalid("frame.skinning is unknown");
+  pose.palette = {reinterpret_cast<const Affine*>(frame.palette), frame.palette_count};
+  const bool dual = frame.skinning == FURROW_SKINNING_DUAL_QUATERNION;
+  if (dual && instance.motions.empty())
+    return missing("dual quaternion skinning", "FURROW_USE_DUAL_QUATERNIONS");
+  pose.by_clusters = !dual && !staged && instance.normals.empty();
+  pose.by_deform = !pose.by_clusters;
+  return {};
+}
+
+Status planPose(FurrowInstance& instance, const FurrowFrame& frame, Plan& plan) {
+  const size_t morphs = instance.asset.view.morphs.size();
+  if (frame.morph_weights && frame.morph_count != morphs)
+    return Status::error(StatusCode::kInvalidArgument, "frame.morph_count is %u, the asset has %zu",
+                         frame.morph_count, morphs);
+  plan.morph_weights = instance.morph_weights;
+  if (frame.morph_weights) plan.morph_weights = {frame.morph_weights, morphs};
+  plan.scale = frame.scale == 0.0f ? 1.0f : frame.scale;
+  if (!(plan.scale > 0.0f) || !std::isfinite(plan.scale)) return invalid("frame.scale is not positive");
+  if (frame.palette && frame.meshes) return invalid("frame has both palette and meshes");
+  return frame.meshes ? planMeshes(instance, frame, plan.pose)
+                      : planPalette(instance, frame, plan.staged, plan.pose);
+}
+
+Status planResponse(const FurrowInstance& instance, const FurrowFrame& frame, Plan& plan) {
+  const AssetView& view = instance.asset.view;
+  const uint32_t layers = view.layerCount();
+  for (uint32_t l = 0; l < layers; ++l) {
+    plan.responses[l] = view.layers[l].response;
+    if (frame.responses) {
+      const FurrowResponse& r = frame.responses[l];
+      if (r.curve > FURROW_CURVE_OAT) return invalid("a response's curve is unknown");
+      plan.responses[l] = {static_cast<Curve>(r.curve), r.lambda, r.beta, r.stretch_lambda, r.stretch_beta};
+      for (float value : {r.lambda, r.beta, r.stretch_lambda, r.stretch_beta})
+        if (!(value > 0.0f) || !std::isfinite(value))
+          return invalid("a response's lambda and beta must be positive");
+    }
+    plan.regions[l] = frame.region_weights ? frame.region_weights[l] : 0.0f;
+    if (!std::isfinite(plan.regions[l])) return invalid("a region weight is not finite");
+    plan.eases[l] = frame.eases ? Ease{frame.eases[l].attack, frame.eases[l].release} : Ease{};
+  }
+  if (frame.eases && instance.eased.empty()) return missing("attack and release", "FURROW_USE_EASE");
+  if (!(frame.seconds >= 0.0f) || !std::isfinite(frame.seconds)) return invalid("frame.seconds is negative");
+  if (!(frame.fade_out >= 0.0f) || !(frame.fade_out <= 1.0f))
+    return invalid("frame.fade_out is not between 0 and 1");
+  if (!(frame.laplace_rate >= 0.0f) || !(frame.laplace_rate <= 1.0f))
+    return invalid("frame.laplace_rate is not between 0 and 1");
+  if (frame.laplace_steps > 0 && instance.point_q[0].empty())
+    return missing("Laplacian steps", "FURROW_USE_LAPLACE");
+  if (frame.laplace_steps > 1000) return invalid("frame.laplace_steps is above 1000");
+  if (frame.occlusion && (!frame.occlusion_rest || !frame.occlusion_deltas))
+    return invalid("frame.occlusion needs occlusion_rest and occlusion_deltas");
+  const std::span<const float> scripted(plan.regions, layers);
+  if (frame.ignore_drivers || !frame.morph_weights)
+    for (float& region : plan.regions) region = std::clamp(region, -1.0f, 1.0f);
+  else
+    driveRegions(view, plan.morph_weights, scripted, {plan.regions, layers});
+  return {};
+}
+
+// Brings the pose to FurrowInstance::positions, unless it is taken as it is.
+bool runPose(FurrowInstance& instance, const FurrowFrame& frame, const Plan& plan) {
+  const FurrowContext& context = instance.asset.context;
+  const AssetView& view = instance.asset.view;
+  const Pose& pose = plan.pose;
+  bool sound = true;
+  if (pose.by_deform) {
+    DeformJob job;
+    job.asset = &view;
+    job.palette = pose.palette;
+    job.morph_weights = plan.morph_weights;
+    job.positions = instance.positions;
+    job.normals = instance.normals;
+    job.tangents = instance.tangents;
+    if (frame.skinning == FURROW_SKINNING_DUAL_QUATERNION) {
+      splitPalette(pose.palette, instance.motions);
+      job.skinning = Skinning::kDualQuaternion;
+      job.motions = instance.motions;
+    }
+    sound = parallelJob(context, job, view.vertexCount());
+  } else if (!pose.direct && !pose.by_clusters) {
+    for (const FurrowPosedMesh& mesh : pose.meshes) {
+      PoseJob job;
+      readStream(mesh.from, "", job.from);
+      if (mesh.to.data) readStream(mesh.to, "", job.to);
+      job.time = frame.key_time;
+      job.curve = static_cast<KeyCurve>(frame.key_curve);
+      if (mesh.binding) job.element = mesh.binding->element;
+      job.patch = &mesh != pose.meshes.data();
+      job.out = instance.positions;
+      sound = parallelJob(context, job, view.vertexCount()) && sound;
+    }
+  }
+  return sound;
+}
+
+bool runClustered(FurrowInstance& instance, const Plan& plan) {
+  const FurrowContext& context = instance.asset.context;
+  ClusterFrameJob job;
+  job.clusters = &instance.asset.clusters;
+  if (plan.pose.by_clusters) {
+    job.palette = plan.pose.palette;
+    job.morph_weights = plan.morph_weights;
+    job.positions = instance.positions;
+  } else if (plan.pose.direct) {
+    job.posed = plan.pose.direct;
+    job.posed_stride = plan.pose.stride;
+  } else {
+    job.posed = reinterpret_cast<const std::byte*>(instance.positions.data());
+  }
+  const uint32_t layers = instance.asset.view.layerCount();
+  job.scale = plan.scale;
+  job.responses = {plan.responses, layers};
+  job.region_weights = {plan.regions, layers};
+  job.weights = instance.weights;
+  job.simd = context.simd;
+  return parallel(
+      context, job.clusters->count(), kClusterGrain, [&](uint32_t begin, uint32_t end, uint32_t worker) {
+        job.run(begin, end, instance.scratch.subspan(worker * instance.scratch_each, instance.scratch_each));
+      });
+}
+
+bool runStaged(FurrowInstance& instance, const FurrowFrame& frame, const Plan& plan) {
+  const FurrowContext& context = instance.asset.context;
+  const AssetView& view = instance.view();
+  bool sound = true;
+  const auto run = [&](const auto& job, uint32_t count) {
+    sound = parallelJob(context, job, count) && sound;
+  };
+  for (uint32_t l = 0; l < view.layerCount(); ++l) {
+    run(CompressJob{&view, l, instance.positions, plan.scale, instance.triangle_q}, view.triangleCount());
+    run(SmoothJob{&view, instance.triangle_q, instance.point_q[0]}, view.pointCount());
+    size_t from = 0;
+    for (uint32_t step = 0; step < frame.laplace_steps; ++step, from = 1 - from)
+      run(LaplaceJob{&view, instance.triangle_q, instance.point_q[from],
+                     frame.laplace_rate == 0.0f ? 0.5f : frame.laplace_rate, instance.point_q[1 - from]},
+          view.pointCount());
+    run(RespondJob{&view, l, plan.responses[l], plan.regions[l], instance.point_q[from], instance.weights},
+        view.vertexCount());
+  }
+  return sound;
+}
+
+bool runEase(FurrowInstance& instance, const FurrowFrame& frame, const Plan& plan) {
+  if (instance.eased.empty() && frame.fade_out == 0.0f) return true;
+  EaseJob job;
+  job.asset = &instance.asset.view;
+  if (!instance.eased.empty()) job.eases = {plan.eases, instance.asset.view.layerCount()};
+  job.seconds = instance.pending_seconds;
+  job.reset = frame.reset || instance.fresh;
+  job.fade = 1.0f - frame.fade_out;
+  job.state = instance.eased;
+  job.weights = instance.weights;
+  return parallelJob(instance.asset.context, job, instance.asset.view.vertexCount());
+}
+
+bool runOcclusion(FurrowInstance& instance, const FurrowFrame& frame, const Plan& plan) {
+  if (!frame.occlusion) return true;
+  const AssetView& view = instance.asset.view;
+  for (size_t m = 0; m < view.morphs.size(); ++m) {
+    const float* deltas = frame.occlusion_deltas[m];
+    instance.occlusion_deltas[m] = {deltas, deltas ? view.morphs[m].vertices.size() : 0};
+  }
+  const OcclusionJob job{&view,
+                         plan.morph_weights,
+                         {frame.occlusion_rest, view.vertexCount()},
+                         instance.occlusion_deltas,
+                         {frame.occlusion, view.vertexCount()}};
+  return parallelJob(instance.asset.context, job, view.vertexCount());
+}
+
+Status soundness(bool sound) {
+  return sound ? Status()
+               : invalid("parallel_for went beyond its count or its workers; the frame is not whole");
+}
+
+}  // namespace
+
+Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameReport& report) {
+  const uint64_t call = instance.calls + frame.phase;
+  const bool due = frame.every < 2 || call % frame.every == 0 || frame.reset || instance.fresh;
+  if (!due) {
+    if (!(frame.seconds >= 0.0f) || !std::isfinite(frame.seconds))
+      return invalid("frame.seconds is negative");
+    ++instance.calls;
+    instance.pending_seconds += frame.seconds;
+    return {};
+  }
+  Plan plan;
+  plan.staged = instance.recaptured || frame.laplace_steps > 0 || !instance.asset.clusters.asset;
+  if (Status s = planPose(instance, frame, plan); !s.ok()) return s;
+  if (Status s = planResponse(instance, frame, plan); !s.ok()) return s;
+  if (plan.staged && plan.pose.direct) return missing("a staged frame", "FURROW_KEEP_POSITIONS");
+
+  report.computed = 1;
+  ++instance.calls;
+  instance.pending_seconds += frame.seconds;
+  if (frame.fade_out == 1.0f) {
+    std::fill(instance.weights.begin(), instance.weights.end(), int16_t{0});
+    instance.fresh = true;
+    return {};
+  }
+  report.clustered = !plan.staged;
+  bool sound = runPose(instance, frame, plan);
+  sound = (plan.staged ? runStaged(instance, frame, plan) : runClustered(instance, plan)) && sound;
+  sound = runEase(instance, frame, plan) && sound;
+  sound = runOcclusion(instance, frame, plan) && sound;
+  instance.fresh = false;
+  instance.pending_seconds = 0.0f;
+  return soundness(sound);
+}
+
+Status recapture(FurrowInstance& instance, const FurrowFrame& frame) {
+  if (instance.coefficients.empty()) return missing("recapture", "FURROW_USE_RECAPTURE");
+  const AssetView& view = instance.asset.view;
+  Plan plan;
+  plan.staged = true;
+  if (Status s = planPose(instance, frame, plan); !s.ok()) return s;
+  bool sound = runPose(instance, frame, plan);
+  size_t first = 0;
+  for (uint32_t l = 0; l < view.layerCount(); ++l) {
+    const std::span<float> own = instance.coefficients.subspan(first, view.layers[l].coefficients.size());
+    sound = parallelJob(instance.asset.context, RecaptureJob{&view, l, instance.positions, plan.scale, own},
+                        view.triangleCount()) &&
+            sound;
+    instance.own_layers[l] = view.layers[l];
+    instance.own_layers[l].coefficients = own;
+    first += own.size();
+  }
+  instance.own_rest = view;
+  instance.own_rest.layers = instance.own_layers;
+  instance.recaptured = true;
+  return soundness(sound);
+}
+
+}  // namespace furrow
