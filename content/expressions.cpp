@@ -51,7 +51,7 @@ dvec3 closeLids(const HeadPoint& point, double upper, double lower) {
   const double angle = point.lower_lid
                            ? lower * (meet - bottom) * smoothRamp(margins.y - 1.2 * fold, margins.y, p.y)
                            : upper * (meet - top) * smoothRamp(margins.x + fold, margins.x, p.y);
-  return turnAboutX(p, head::kEye, angle) - p;
+  return turnAboutX(p + point.offset, head::kEye, angle) - (p + point.offset);
 }
 
 double aboveLids(dvec3 p) {
@@ -60,13 +60,13 @@ double aboveLids(dvec3 p) {
 
 // Up from the brow, nothing at the hairline: the forehead between them is squeezed.
 double forehead(double y) {
-  return smoothRamp(0.9, 2.0, y) * smoothRamp(6.4, 1.9, y);
+  return smoothRamp(0.9, 2.0, y) * smoothRamp(6.3, 2.0, y);
 }
 
 dvec3 browInnerUp(const HeadPoint& point) {
   const dvec3 p = point.position;
-  return dvec3(0.0, 1.05, 0.0) * forehead(p.y) * std::exp(-std::pow(p.x / 3.3, 4)) * front(p) +
-         dvec3(0, 0, -0.26) * forehead(p.y) * std::exp(-std::pow(p.x / 3.3, 4));
+  return dvec3(0.0, 1.10, 0.0) * forehead(p.y) * std::exp(-std::pow(p.x / 3.3, 4)) * front(p) +
+         dvec3(0, 0, -0.28) * forehead(p.y) * std::exp(-std::pow(p.x / 3.3, 4));
 }
 
 dvec3 browOuterUp(const HeadPoint& point) {
@@ -79,7 +79,12 @@ dvec3 browDown(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double w = spot(p, {2.0, 1.9}, {2.1, 1.5}) * smoothRamp(0.55, 1.6, p.y) * front(p);
   const double together = smoothRamp(0.0, 1.4, p.x);
-  return dvec3(-0.62 * together, -0.62 * smoothRamp(-0.6, 0.8, p.x), 0.16) * w;
+  return dvec3(-0.72 * together, -0.62 * smoothRamp(-0.6, 0.8, p.x), 0.16) * w;
+}
+
+dvec3 eyeWide(const HeadPoint& point) {
+  const dvec3 p = point.position;
+  return closeLids(point, -0.30, -0.12) + dvec3(0, 0.14, 0) * spot(p, {3.2, 1.7}, {2.2, 0.9}) * aboveLids(p);
 }
 
 dvec3 eyeBlink(const HeadPoint& point) {
@@ -123,13 +128,78 @@ dvec3 mouthSmile(const HeadPoint& point) {
          dvec3(0.05, 0.06, -0.10) * crease;
 }
 
+// How much of a pull at one corner of the mouth a point feels.
+double corner(dvec3 p) {
+  return spot(p, {2.5, -7.0}, {1.7, 1.3}) * side(p.x) * front(p);
+}
+
+dvec3 mouthFrown(const HeadPoint& point) {
+  const dvec3 p = point.position;
+  const double below = spot(p, {2.6, -8.3}, {1.5, 1.0}) * side(p.x) * front(p);
+  return dvec3(-0.04, -0.62, -0.12) * corner(p) + dvec3(0.06, -0.18, 0.12) * below;
+}
+
+dvec3 mouthStretch(const HeadPoint& point) {
+  const dvec3 p = point.position;
+  const double neck = spot(p, {3.2, -11.0}, {2.2, 2.2}) * side(p.x) * front(p);
+  return dvec3(0.62, -0.22, -0.45) * corner(p) + dvec3(0.10, -0.15, 0.0) * neck;
+}
+
+// About the middle of the mouth, with the lips parted by `apart`.
+dvec3 purse(const HeadPoint& point, double narrow, double forward, double apart) {
+  const dvec3 p = point.position;
+  const double up = p.y - head::lipLine(0.0);
+  const double about = std::exp(-std::pow(p.x / 3.6, 4) - std::pow(up / 2.4, 2)) * front(p);
+  const double lips = std::exp(-std::pow(p.x / 1.9, 2) - std::pow(up / 1.15, 2)) * front(p);
+  const double open = apart * std::exp(-std::pow(p.x / 1.7, 2) - std::pow(up / 1.5, 2)) * front(p);
+  return dvec3(-narrow * p.x * about, -0.10 * up * about + (point.lower_lip ? -open : 0.8 * open),
+               forward * lips);
+}
+
+dvec3 mouthPucker(const HeadPoint& point) {
+  return purse(point, 0.36, 0.75, 0.0);
+}
+
+dvec3 mouthFunnel(const HeadPoint& point) {
+  return purse(point, 0.24, 0.62, 0.42);
+}
+
+dvec3 mouthUpperUp(const HeadPoint& point) {
+  const dvec3 p = point.position;
+  const double lip = spot(p, {1.1, -6.4}, {1.2, 1.15}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0) * front(p);
+  const head::Fold fold = head::nasolabialFold(p);
+  const double cheek = spot(p, {3.0, -4.6}, {1.2, 1.2}) * side(p.x) * smoothRamp(-0.2, 0.7, fold.distance);
+  return dvec3(0.05, 0.46, 0.06) * lip + dvec3(0.0, 0.20, 0.18) * cheek * front(p);
+}
+
+dvec3 mouthLowerDown(const HeadPoint& point) {
+  const dvec3 p = point.position;
+  const double lip = spot(p, {1.1, -7.7}, {1.2, 1.1}) * side(p.x) * (point.lower_lip ? 1.0 : 0.0) * front(p);
+  return dvec3(0.04, -0.48, 0.04) * lip;
+}
+
+// The pad of the chin is pushed up and lifts both lips.
+dvec3 mouthShrug(const HeadPoint& point) {
+  const dvec3 p = point.position;
+  const double pad = spot(p, {0.0, -9.7}, {2.1, 1.25}) * front(p),
+               lips = spot(p, {0.0, -7.1}, {2.4, 1.1}) * front(p);
+  return dvec3(0.0, 0.52, 0.14) * pad + dvec3(0.0, 0.14, 0.12) * lips;
+}
+
+dvec3 cheekPuff(const HeadPoint& point) {
+  const dvec3 p(std::abs(point.position.x), point.position.y, point.position.z);
+  const double cheek =
+      spot(p, {4.1, -6.2}, {2.0, 2.2}) * smoothRamp(-7.0, -3.0, p.z) * smoothRamp(1.6, 3.2, p.x);
+  return dvec3(0.55 * (point.position.x < 0 ? -1.0 : 1.0), 0.0, 0.45) * cheek;
+}
+
 dvec3 noseSneer(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double wing = spot(p, {1.35, -3.7}, {1.0, 1.3}) * side(p.x * 1.6);
+  const double wing = spot(p, {1.35, -3.7}, {1.0, 1.5}) * side(p.x * 1.6);
   const double lip = spot(p, {1.6, -5.7}, {1.1, 1.1}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0);
   const double flank = spot(p, {1.1, -1.9}, {1.0, 1.3}) * side(p.x * 1.6) * smoothRamp(0.6, -0.6, p.y);
   const double front_face = smoothRamp(-1.0, 0.5, p.z);
-  return (dvec3(0.10, 0.42, -0.06) * wing + dvec3(0.05, 0.26, 0.04) * lip + dvec3(0.03, 0.30, 0.05) * flank) *
+  return (dvec3(0.10, 0.50, -0.06) * wing + dvec3(0.05, 0.26, 0.04) * lip + dvec3(0.03, 0.42, 0.06) * flank) *
          front_face;
 }
 
@@ -142,8 +212,10 @@ dvec3 jawOpen(const HeadPoint& point) {
   const double above = p.y - head::lipLine(std::min(std::abs(p.x), head::kMouth));
   const double length = 1.25 + 1.6 * beyond;
   const double corner = u * u * u * u * std::exp(-above * above / (length * length));
-  const double follow = point.lower_lip ? 1.0 - 0.58 * corner : 0.42 * corner;
-  const double fade = smoothRamp(-14.3, -11.3, p.y + 0.5 * std::min(p.z, 0.0)) * smoothRamp(-9.0, -5.0, p.z);
+  const double follow = point.bone        ? (point.lower_lip ? 1.0 : 0.0)
+                        : point.lower_lip ? 1.0 - 0.58 * corner
+                                          : 0.42 * corner;
+  const double fade = smoothRamp(-16.0, -10.8, p.y + 0.45 * std::min(p.z, 0.0)) * smoothRamp(-9.0, -5.0, p.z);
   return turnAboutX(p, {0, -2.6, -6.8}, -glm::radians(13.0) * follow * fade) - p;
 }
 
@@ -154,14 +226,36 @@ struct Expression {
 };
 
 constexpr std::array kExpressions = {
-    Expression{"browInnerUp", browInnerUp, 0},       Expression{"browDownLeft", browDown, 1},
-    Expression{"browDownRight", browDown, -1},       Expression{"browOuterUpLeft", browOuterUp, 1},
-    Expression{"browOuterUpRight", browOuterUp, -1}, Expression{"eyeBlinkLeft", eyeBlink, 1},
-    Expression{"eyeBlinkRight", eyeBlink, -1},       Expression{"eyeSquintLeft", eyeSquint, 1},
-    Expression{"eyeSquintRight", eyeSquint, -1},     Expression{"cheekSquintLeft", cheekSquint, 1},
-    Expression{"cheekSquintRight", cheekSquint, -1}, Expression{"noseSneerLeft", noseSneer, 1},
-    Expression{"noseSneerRight", noseSneer, -1},     Expression{"mouthSmileLeft", mouthSmile, 1},
-    Expression{"mouthSmileRight", mouthSmile, -1},   Expression{"jawOpen", jawOpen, 0},
+    Expression{"browInnerUp", browInnerUp, 0},
+    Expression{"browDownLeft", browDown, 1},
+    Expression{"browDownRight", browDown, -1},
+    Expression{"browOuterUpLeft", browOuterUp, 1},
+    Expression{"browOuterUpRight", browOuterUp, -1},
+    Expression{"eyeBlinkLeft", eyeBlink, 1},
+    Expression{"eyeBlinkRight", eyeBlink, -1},
+    Expression{"eyeSquintLeft", eyeSquint, 1},
+    Expression{"eyeSquintRight", eyeSquint, -1},
+    Expression{"cheekSquintLeft", cheekSquint, 1},
+    Expression{"cheekSquintRight", cheekSquint, -1},
+    Expression{"noseSneerLeft", noseSneer, 1},
+    Expression{"noseSneerRight", noseSneer, -1},
+    Expression{"mouthSmileLeft", mouthSmile, 1},
+    Expression{"mouthSmileRight", mouthSmile, -1},
+    Expression{"jawOpen", jawOpen, 0},
+    Expression{"eyeWideLeft", eyeWide, 1},
+    Expression{"eyeWideRight", eyeWide, -1},
+    Expression{"mouthFrownLeft", mouthFrown, 1},
+    Expression{"mouthFrownRight", mouthFrown, -1},
+    Expression{"mouthStretchLeft", mouthStretch, 1},
+    Expression{"mouthStretchRight", mouthStretch, -1},
+    Expression{"mouthUpperUpLeft", mouthUpperUp, 1},
+    Expression{"mouthUpperUpRight", mouthUpperUp, -1},
+    Expression{"mouthLowerDownLeft", mouthLowerDown, 1},
+    Expression{"mouthLowerDownRight", mouthLowerDown, -1},
+    Expression{"mouthPucker", mouthPucker, 0},
+    Expression{"mouthFunnel", mouthFunnel, 0},
+    Expression{"mouthShrugLower", mouthShrug, 0},
+    Expression{"cheekPuff", cheekPuff, 0},
 };
 
 constexpr auto kNames = [] {
@@ -178,8 +272,12 @@ std::span<const std::string_view> expressionNames() {
 
 dvec3 displacement(size_t index, const HeadPoint& point) {
   const Expression& expression = kExpressions[index];
+  if (point.bone && expression.move != jawOpen) return dvec3(0);
   HeadPoint at = point;
-  if (expression.side < 0) at.position.x = -at.position.x;
+  if (expression.side < 0) {
+    at.position.x = -at.position.x;
+    at.offset.x = -at.offset.x;
+  }
   dvec3 moved = expression.move(at);
   if (expression.side < 0) moved.x = -moved.x;
   return moved;

@@ -14,6 +14,8 @@ struct HeadPoint {
   glm::dvec3 position;
   bool lower_lip = false;
   bool lower_lid = false;
+  bool bone = false;     // goes with the jaw alone, if it is lower_lip
+  glm::dvec3 offset{0};  // of a hair: from its root, `position`, which alone decides how far it goes
 };
 
 // Names in ARKit's spelling; Left is the character's own.

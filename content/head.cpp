@@ -13,19 +13,21 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-double ellipsoid(dvec3 p, dvec3 centre, dvec3 radii) {
-  const dvec3 q = (p - centre) / radii;
-  const double k0 = glm::length(q), k1 = glm::length(q / radii);
-  return k1 > 0 ? k0 * (k0 - 1) / k1 : -std::min({radii.x, radii.y, radii.z});
-}
-
 // A limb whose radius goes from ra at a to rb at b.
 double limb(dvec3 p, dvec3 a, dvec3 b, double ra, double rb) {
   const double t = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0, 1.0);
   return glm::distance(p, glm::mix(a, b, t)) - glm::mix(ra, rb, t);
 }
 
-// Union with a fillet about k wide [Quilez, smooth minimum, cubic].
+}  // namespace
+
+double ellipsoid(dvec3 p, dvec3 centre, dvec3 radii) {
+  const dvec3 q = (p - centre) / radii;
+  const double k0 = glm::length(q), k1 = glm::length(q / radii);
+  return k1 > 0 ? k0 * (k0 - 1) / k1 : -std::min({radii.x, radii.y, radii.z});
+}
+
+// Quilez, smooth minimum, cubic.
 double join(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0) / k;
   return std::min(a, b) - h * h * h * k / 6;
@@ -35,56 +37,62 @@ double carve(double a, double b, double k) {
   return -join(-a, b, k);
 }
 
-}  // namespace
-
+// The masses take their proportions from measured heads; the features are drawn on them.
 double distance(dvec3 p) {
   const dvec3 q(std::sqrt(p.x * p.x + 0.01), p.y, p.z);
 
-  // Skull, face, jaw, neck.
-  double d = ellipsoid(q, {0, 2.7, -7.3}, {7.45, 9.1, 9.2});
-  d = join(d, ellipsoid(q, {0, -4.0, -3.4}, {5.8, 7.0, 5.0}), 2.0);
-  d = join(d, limb(q, {4.6, -7.2, -4.6}, {0.9, -10.25, 0.4}, 1.2, 1.25), 2.2);
-  d = join(d, ellipsoid(q, {0, -10.05, 1.05}, {1.5, 1.2, 1.15}), 1.5);
-  d = join(d, limb(q, {0, -8.0, -6.4}, {0, -19.0, -7.4}, 4.8, 5.5), 2.2);
-  d = carve(d, q.y + 16.9, 5.0);
+  // Skull, face, muzzle, jaw, chin.
+  double d = ellipsoid(q, {0.3, 2.1, -7.7}, {7.8, 9.0, 10.0});
+  d = join(d, ellipsoid(q, {0.2, -3.3, -3.4}, {6.7, 7.2, 5.2}), 2.0);
+  d = join(d, ellipsoid(q, {0.0, -6.6, 0.35}, {3.0, 3.4, 3.0}), 2.5);
+  d = join(d, limb(q, {4.6, -7.4, -4.2}, {1.1, -10.2, 0.6}, 1.2, 1.45), 2.2);
+  d = join(d, limb(q, {6.0, -2.5, -5.8}, {5.0, -7.0, -4.2}, 1.2, 1.0), 1.7);
+  d = join(d, ellipsoid(q, {0.0, -10.25, 1.35}, {1.7, 1.3, 1.4}), 1.3);
 
-  // Cheekbones, cheeks, temples.
-  d = join(d, limb(q, {4.5, -2.2, -0.6}, {5.7, -1.7, -4.5}, 0.95, 0.9), 2.2);
-  d = join(d, ellipsoid(q, {3.3, -3.5, 0.35}, {1.7, 1.6, 1.2}), 2.0);
-  d = join(d, ellipsoid(q, {4.1, -5.9, -1.35}, {1.55, 2.5, 2.2}), 2.4);
-  d = carve(d, ellipsoid(q, {9.2, 2.8, -1.8}, {1.9, 2.4, 3.2}), 2.2);
+  // Neck: its trunk, the floor of the mouth, the muscle from behind the ear to the collarbone, shoulders.
+  double neck = limb(q, {0.0, -5.5, -8.1}, {0.0, -17.8, -9.3}, 5.6, 5.0);
+  neck = join(neck, limb(q, {0.0, -8.6, -1.9}, {0.0, -12.8, -5.6}, 2.3, 2.4), 2.8);
+  neck = join(neck, limb(q, {6.0, -4.0, -9.2}, {1.3, -15.5, -4.2}, 1.0, 0.45), 1.2);
+  neck = join(neck, limb(q, {2.5, -8.4, -11.6}, {11.3, -20.0, -10.8}, 1.6, 2.0), 4.0);
+  neck = join(neck, limb(q, {0.0, -22.0, -8.3}, {15.5, -22.0, -9.0}, 4.9, 4.3), 4.0);
+  d = join(d, neck, 3.0);
 
-  // Muzzle under the nose.
-  d = join(d, ellipsoid(q, {0, -6.9, 0.1}, {2.7, 2.4, 2.25}), 1.8);
+  // Cheekbones and cheeks.
+  d = join(d, limb(q, {4.8, -2.3, -0.6}, {6.2, -1.5, -4.5}, 0.8, 0.8), 2.1);
+  d = join(d, ellipsoid(q, {3.2, -3.5, 0.1}, {1.8, 1.6, 1.2}), 1.9);
+  d = join(d, ellipsoid(q, {3.2, -6.2, -1.3}, {1.5, 3.0, 2.4}), 2.9);
 
-  // Brows and sockets, the lids that hug the eyeball, and the fold over the upper one.
-  d = join(d, limb(q, {0.7, 1.55, 1.0}, {3.2, 2.1, 0.5}, 0.72, 0.62), 1.2);
-  d = join(d, limb(q, {3.2, 2.1, 0.5}, {5.2, 0.7, -1.9}, 0.62, 0.6), 2.2);
-  d = carve(d, ellipsoid(q, {3.1, 0.15, 1.75}, {1.75, 1.15, 1.25}), 1.1);
-  d = join(d, glm::distance(q, kEye) - kLid, 0.55);
-  if (q.x > kEyeInner && q.x < kEyeOuter && q.z > 0) {
+  // Brows and sockets, the lids that hug the eyeball, and the crease over the upper one.
+  d = join(d, limb(q, {0.6, 2.1, 1.5}, {3.3, 2.0, 1.05}, 0.85, 0.5), 1.7);
+  d = join(d, limb(q, {2.9, 2.4, 1.0}, {5.1, 1.3, -0.9}, 0.65, 0.42), 2.6);
+  d = carve(d, ellipsoid(q, {3.05, 0.0, 2.25}, {1.8, 1.2, 1.2}), 1.2);
+  d = join(d, glm::distance(q, kEye) - kLid, 0.5);
+  if (q.x > kEyeInner && q.x < kEyeOuter + 0.4 && q.z > 0) {
     const double t = (q.x - kEyeInner) / (kEyeOuter - kEyeInner);
-    const double line = lidMargins(q.x).x + 0.10 + 0.26 * std::sin(glm::pi<double>() * std::pow(t, 0.8));
-    const double fold = (q.y - line) / 0.13;
-    d += 0.07 * std::exp(-fold * fold) * std::sin(glm::pi<double>() * t);
+    const double arch = std::sin(glm::pi<double>() * std::clamp(std::pow(t, 0.8), 0.0, 1.0));
+    const double fold = (q.y - lidMargins(q.x).x - 0.12 - 0.24 * arch) / 0.10;
+    d += 0.085 * std::exp(-fold * fold) * std::pow(std::max(std::sin(glm::pi<double>() * t), 0.0), 0.6);
+    const double bag = (q.y - lidMargins(q.x).y + 0.55 + 0.2 * arch) / 0.2;
+    d += 0.03 * std::exp(-bag * bag) * std::max(std::sin(glm::pi<double>() * t), 0.0);
   }
 
-  // Nose: bridge, flanks, tip, wings, septum; then the nostrils.
-  d = join(d, limb(q, {0, 0.9, 0.95}, {0, -3.3, 2.85}, 0.62, 0.72), 1.0);
-  d = join(d, limb(q, {0.5, -1.6, 1.3}, {0.95, -3.6, 1.85}, 0.42, 0.58), 1.5);
-  d = join(d, ellipsoid(q, {0, -3.75, 3.1}, {0.86, 0.72, 0.8}), 0.8);
-  d = join(d, ellipsoid(q, {1.05, -4.08, 2.2}, {0.60, 0.55, 0.85}), 0.75);
-  d = join(d, limb(q, {0, -4.2, 3.0}, {0, -4.55, 2.1}, 0.36, 0.42), 0.7);
-  d = carve(d, ellipsoid(q, {0.62, -4.62, 2.5}, {0.30, 0.34, 0.50}), 0.22);
+  // Nose: bridge, flanks, tip, wings with their crease, septum; then the nostrils.
+  d = join(d, limb(q, {0.0, 0.8, 1.6}, {0.0, -2.9, 3.95}, 0.42, 0.66), 1.05);
+  d = join(d, limb(q, {0.5, -0.6, 1.9}, {0.85, -3.3, 3.1}, 0.4, 0.55), 1.6);
+  d = join(d, ellipsoid(q, {0.0, -3.5, 4.05}, {0.9, 0.73, 0.8}), 0.8);
+  d = join(d, ellipsoid(q, {1.15, -3.95, 3.0}, {0.6, 0.56, 0.9}), 0.75);
+  d = join(d, limb(q, {0.0, -4.0, 4.0}, {0.0, -4.65, 3.0}, 0.34, 0.44), 0.7);
+  d = carve(d, limb(q, {1.6, -3.2, 2.95}, {1.95, -4.3, 2.5}, 0.04, 0.06), 0.3);
+  d = carve(d, ellipsoid(q, {0.66, -4.62, 3.3}, {0.32, 0.42, 0.55}), 0.2);
 
   // Philtrum, lips, the fold over the chin, corners of the mouth.
-  d = carve(d, limb(q, {0, -5.15, 2.95}, {0, -5.95, 2.95}, 0.22, 0.3), 0.5);
-  d = join(d, limb(q, {0.35, -6.52, 2.2}, {1.3, -6.62, 1.85}, 0.42, 0.4), 0.4);
-  d = join(d, limb(q, {1.3, -6.62, 1.85}, {2.5, -6.98, 1.0}, 0.4, 0.16), 0.4);
-  d = join(d, limb(q, {0.0, -7.5, 2.1}, {1.2, -7.42, 1.8}, 0.5, 0.44), 0.35);
-  d = join(d, limb(q, {1.2, -7.42, 1.8}, {2.4, -7.05, 1.05}, 0.44, 0.16), 0.35);
-  d = carve(d, limb(q, {0, -8.55, 2.75}, {1.2, -8.4, 2.35}, 0.35, 0.25), 0.9);
-  d = carve(d, ellipsoid(q, {2.8, -7.0, 1.65}, {0.25, 0.25, 0.35}), 0.5);
+  d = carve(d, limb(q, {0.0, -5.0, 3.75}, {0.0, -5.95, 3.95}, 0.2, 0.28), 0.5);
+  d = join(d, limb(q, {0.3, -6.5, 3.12}, {1.3, -6.64, 2.66}, 0.40, 0.38), 0.45);
+  d = join(d, limb(q, {1.3, -6.64, 2.66}, {2.5, -6.98, 1.85}, 0.38, 0.16), 0.45);
+  d = join(d, limb(q, {0.0, -7.5, 2.95}, {1.2, -7.43, 2.6}, 0.50, 0.44), 0.35);
+  d = join(d, limb(q, {1.2, -7.43, 2.6}, {2.4, -7.06, 1.9}, 0.44, 0.16), 0.35);
+  d = carve(d, limb(q, {0.0, -8.6, 3.55}, {1.2, -8.45, 3.2}, 0.35, 0.25), 0.9);
+  d = carve(d, ellipsoid(q, {2.8, -7.02, 2.5}, {0.25, 0.25, 0.35}), 0.5);
   return d;
 }
 
@@ -115,7 +123,7 @@ dvec2 lidMargins(double x) {
   const double corner_line = glm::mix(-0.16, 0.06, t);
   const double upper = std::pow(std::sin(glm::pi<double>() * std::pow(t, 0.88)), 0.8);
   const double lower = std::pow(std::sin(glm::pi<double>() * std::pow(t, 1.15)), 0.85);
-  return {corner_line + 0.45 * upper, corner_line - 0.42 * lower};
+  return {corner_line + 0.43 * upper, corner_line - 0.42 * lower};
 }
 
 double lipLine(double x) {

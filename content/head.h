@@ -8,12 +8,16 @@
 
 namespace furrow::content::head {
 
-inline constexpr glm::dvec3 kEye{3.15, 0.0, -0.25};          // centre of the left eyeball
-inline constexpr double kEyeball = 1.32, kLid = 1.47;        // radii of the eyeball and of the lids' outside
+inline constexpr glm::dvec3 kEye{3.15, 0.0, 0.05};           // centre of the left eyeball
+inline constexpr double kEyeball = 1.30, kLid = 1.46;        // radii of the eyeball and of the lids' outside
 inline constexpr double kEyeInner = 1.78, kEyeOuter = 4.52;  // x of the corners
 inline constexpr double kMouth = 2.55;                       // x of the corner
 
 double distance(glm::dvec3 p);
+double ellipsoid(glm::dvec3 p, glm::dvec3 centre, glm::dvec3 radii);  // about
+// Union and difference of distances, with a fillet about `width` wide.
+double join(double a, double b, double width);
+double carve(double a, double b, double width);
 glm::dvec3 normal(glm::dvec3 p);
 
 // The nearest surface, about; `offset` above it.

@@ -32,7 +32,7 @@ done
 model=face
 extreme=(--morph browInnerUp=1 --morph browOuterUpLeft=0.8 --morph browOuterUpRight=0.8 --morph eyeSquintLeft=0.8 --morph eyeSquintRight=0.8
   --morph mouthSmileLeft=1 --morph mouthSmileRight=1)
-camera=(--yaw 18 --zoom 1.25)
+camera=(--yaw 18 --zoom 1.7 --target 0 -0.025 -0.03)
 picture face-neutral-plain "face, neutral, no wrinkles" --shading none "${camera[@]}"
 picture face-neutral "face, neutral, wrinkles" "${camera[@]}"
 picture face-extreme-plain "face, extreme, no wrinkles" --shading none "${camera[@]}" "${extreme[@]}"

@@ -137,7 +137,7 @@ class DemoPicture : public ToolTest {
 };
 
 TEST_F(DemoPicture, RaisedBrowsCreaseTheForehead) {
-  cook("face", {"--yaw", "18", "--zoom", "3", "--target", "0.01", "0.045", "0.02"});
+  cook("face", {"--yaw", "18", "--zoom", "5.5", "--target", "0.005", "0.045", "0.02"});
   const std::vector<std::string> raise = {"--morph", "browInnerUp=1",       "--morph", "browOuterUpLeft=0.8",
                                           "--morph", "browOuterUpRight=0.8"};
   const Image raised = draw("interpolated", raise), plain = draw("none", raise),

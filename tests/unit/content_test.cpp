@@ -119,21 +119,66 @@ std::string bytesOf(const std::filesystem::path& file) {
 
 TEST(Content, FaceIsFineEnoughAndOfHumanSize) {
   EXPECT_GE(part(face(), "skin").indices.size() / 3, 15000u);
-  EXPECT_LE(triangleCount(face().meshes[0]), 80000u);
-  float low = 1, high = -1;
-  for (glm::vec3 p : part(face(), "hood").positions) {
-    low = std::min(low, p.y);
-    high = std::max(high, p.y);
+  EXPECT_LE(triangleCount(face().meshes[0]), 110000u);
+  // From the chin to the crown, and across the temples.
+  float crown = -1, chin = 1, widest = 0;
+  for (glm::vec3 p : part(face(), "skin").positions) {
+    crown = std::max(crown, p.y);
+    if (p.z > 0.0f && p.y > -0.13f) chin = std::min(chin, p.y);
+    if (p.y > 0.02f && p.y < 0.05f) widest = std::max(widest, p.x);
   }
-  EXPECT_NEAR(high - low, 0.28, 0.03);
+  EXPECT_NEAR(crown - chin, 0.23, 0.015);
+  EXPECT_NEAR(2 * widest, 0.158, 0.008);
 }
 
 TEST(Content, FaceHasTheArkitExpressions) {
-  EXPECT_THAT(face().meshes[0].morphs,
-              testing::IsSupersetOf({"browInnerUp", "browDownLeft", "browDownRight", "browOuterUpLeft",
-                                     "browOuterUpRight", "eyeBlinkLeft", "eyeBlinkRight", "eyeSquintLeft",
-                                     "eyeSquintRight", "mouthSmileLeft", "mouthSmileRight", "noseSneerLeft",
-                                     "noseSneerRight", "jawOpen"}));
+  EXPECT_THAT(
+      face().meshes[0].morphs,
+      testing::IsSupersetOf({"browInnerUp",      "browDownLeft",   "browDownRight",     "browOuterUpLeft",
+                             "browOuterUpRight", "eyeBlinkLeft",   "eyeBlinkRight",     "eyeSquintLeft",
+                             "eyeSquintRight",   "mouthSmileLeft", "mouthSmileRight",   "noseSneerLeft",
+                             "noseSneerRight",   "jawOpen",        "eyeWideLeft",       "mouthFrownLeft",
+                             "mouthPucker",      "mouthFunnel",    "mouthUpperUpRight", "cheekPuff"}));
+  EXPECT_GE(face().meshes[0].morphs.size(), 20u);
+  // Every one moves something, and its mirror image as far.
+  const Primitive& skin = part(face(), "skin");
+  std::map<std::string, double> reach;
+  for (size_t m = 0; m < skin.morphs.size(); ++m)
+    for (glm::vec3 d : skin.morphs[m].positions) {
+      double& farthest = reach[face().meshes[0].morphs[m]];
+      farthest = std::max(farthest, double{glm::length(d)});
+    }
+  for (const auto& [name, farthest] : reach) {
+    EXPECT_GT(farthest, 0.001) << name;
+    if (name.ends_with("Left")) {
+      EXPECT_NEAR(farthest, reach.at(name.substr(0, name.size() - 4) + "Right"), 1e-6) << name;
+    }
+  }
+}
+
+TEST(Content, PerformanceLastsTenSecondsAndUsesMostExpressions) {
+  const Clip& clip = face().clips.at(0);
+  EXPECT_EQ(clip.name, "performance");
+  EXPECT_FLOAT_EQ(clip.times.back(), 10.0f);
+  std::set<size_t> used;
+  for (const auto& key : clip.weights[0].weights)
+    for (size_t m = 0; m < key.size(); ++m)
+      if (key[m] > 0.3f) used.insert(m);
+  EXPECT_GE(used.size(), 20u);
+}
+
+TEST(Content, EarsStandOutOfTheHead) {
+  const Primitive& ears = part(face(), "ears");
+  float low = 1, high = -1, out = 0;
+  for (uint32_t i : ears.indices) {
+    const glm::vec3 p = ears.positions[i];
+    low = std::min(low, p.y);
+    high = std::max(high, p.y);
+    out = std::max(out, p.x);
+  }
+  EXPECT_NEAR(high - low, 0.062, 0.012);
+  EXPECT_GT(out, 0.085f);
+  EXPECT_LT(out, 0.10f);
 }
 
 TEST(Content, ArraysMatchAndIndicesAreInRange) {
@@ -148,6 +193,7 @@ TEST(Content, ArraysMatchAndIndicesAreInRange) {
         for (const auto& [name, values] : primitive.vec3_attributes) EXPECT_EQ(values.size(), count) << name;
         for (const auto& [name, values] : primitive.vec4_attributes) EXPECT_EQ(values.size(), count) << name;
         for (glm::vec3 n : primitive.normals) ASSERT_NEAR(glm::length(n), 1.0f, 1e-5f);
+        EXPECT_EQ(primitive.colors.size() % std::max<size_t>(count, 1), 0u);
         for (glm::vec2 uv : primitive.uvs) ASSERT_TRUE(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1);
         for (uint32_t i : primitive.indices) ASSERT_LT(i, count);
       }
@@ -173,10 +219,8 @@ TEST(Content, SurfacesFaceOutwards) {
   EXPECT_GT(outwards(part(sleeve(), "cloth"), {}, {1, 0, 0}), 0.9);
   EXPECT_GT(outwards(part(sleeve(), "skin"), {}, {1, 0, 0}), 0.9);
   EXPECT_GT(outwards(part(face(), "skin"), {0, -0.03f, -0.06f}, {}), 0.95);
-  EXPECT_GT(outwards(part(face(), "hood"), {0, -0.03f, -0.06f}, {}), 0.9);
-  EXPECT_GT(outwards(part(face(), "lips"), {0, -0.07f, 0}, {}), 0.5);
-  for (const char* material : {"eye", "iris", "pupil"})
-    EXPECT_EQ(outwards(part(face(), material), {}, {}), 1.0);
+  EXPECT_GT(outwards(part(face(), "shirt"), {0, -0.20f, -0.08f}, {}), 0.9);
+  EXPECT_EQ(outwards(part(face(), "eye"), {}, {}), 1.0);
 }
 
 TEST(Content, FaceIsMirrored) {
@@ -239,7 +283,9 @@ TEST(Content, NoExpressionTurnsSkinInsideOut) {
 TEST(Content, BrowInnerUpSqueezesTheForehead) {
   const Primitive& skin = part(face(), "skin");
   const auto posed = morphed(skin, {"browInnerUp"});
-  const auto forehead = [](glm::vec3 p) { return std::abs(p.x) < 0.02f && p.y > 0.028f && p.y < 0.055f; };
+  const auto forehead = [](glm::vec3 p) {
+    return std::abs(p.x) < 0.02f && p.y > 0.028f && p.y < 0.055f && p.z > 0.0f;
+  };
   const double ratio = lengthRatio(skin, posed, {0, 1, 0}, forehead);
   RecordProperty("ratio", std::to_string(ratio));
   EXPECT_GT(ratio, 0.60);
@@ -256,7 +302,7 @@ TEST(Content, BrowDownSqueezesTheGlabellaAcross) {
   const Primitive& skin = part(face(), "skin");
   const auto posed = morphed(skin, {"browDownLeft", "browDownRight"});
   const double ratio = lengthRatio(skin, posed, {1, 0, 0}, [](glm::vec3 p) {
-    return std::abs(p.x) < 0.012f && p.y > 0.012f && p.y < 0.026f;
+    return std::abs(p.x) < 0.012f && p.y > 0.012f && p.y < 0.026f && p.z > 0.0f;
   });
   RecordProperty("ratio", std::to_string(ratio));
   EXPECT_LT(ratio, 0.80);
@@ -294,6 +340,33 @@ TEST(Content, ClosedLidsCoverTheEyeball) {
   float radius = 0;
   for (glm::vec3 p : part(face(), "eye").positions) radius = std::max(radius, glm::length(p));
   for (glm::vec3 p : posed) ASSERT_GT(glm::distance(p, eye), radius);
+}
+
+// The margins are where the skin meets the insides of the lids. Blinking closes them without one passing the
+// other.
+TEST(Content, BlinkingLidsMeet) {
+  std::set<Key> inside;
+  for (glm::vec3 p : part(face(), "lids").positions) inside.insert(keyOf(p));
+  const Primitive& skin = part(face(), "skin");
+  const auto posed = morphed(skin, {"eyeBlinkLeft"});
+  std::vector<glm::vec3> upper, lower;
+  float open = 0;
+  for (size_t v = 0; v < posed.size(); ++v) {
+    const glm::vec3 p = skin.positions[v];
+    if (p.x < 0.018f || p.x > 0.0452f || std::abs(p.y) > 0.01f || !inside.contains(keyOf(p))) continue;
+    const float middle = glm::mix(-0.0016f, 0.0006f, (p.x - 0.0178f) / (0.0452f - 0.0178f));
+    (p.y > middle ? upper : lower).push_back(posed[v]);
+    open = std::max(open, std::abs(p.y - middle));
+  }
+  ASSERT_GT(upper.size(), 10u);
+  ASSERT_GT(lower.size(), 10u);
+  EXPECT_GT(open, 0.0035f);
+  for (glm::vec3 p : upper) {
+    const auto nearer = [&](glm::vec3 a, glm::vec3 b) { return std::abs(a.x - p.x) < std::abs(b.x - p.x); };
+    const glm::vec3 below = *std::ranges::min_element(lower, nearer);
+    EXPECT_GT(p.y - below.y, -0.0003f) << p.x;
+    EXPECT_LT(p.y - below.y, 0.001f) << p.x;
+  }
 }
 
 TEST(Content, SleeveIsSkinnedSmoothlyAndClosedAtItsSeam) {
