@@ -58,11 +58,12 @@ Result runCpu(const AssetView& asset, const FrameInput& input) {
 Result runGpu(const AssetView& asset, const FrameInput& input, Form form) {
   const FramePlan plan(asset, {.form = form, .normals = false, .point_q = true});
   gl::Executor executor;
-  if (const Status status = executor.create(plan); !status.ok())
+  Status status = executor.create(plan);
+  if (status.ok()) status = executor.upload(input);
+  if (status.ok()) status = executor.run();
+  if (!status.ok())
     throw Error(Exit::kEnvironment, form == Form::kRaster ? "--backend gpu-raster" : "--backend gpu",
                 status.message, "use --backend cpu");
-  executor.upload(input);
-  executor.run();
   Result result;
   result.positions.resize(asset.vertexCount());
   result.q.resize(size_t{asset.pointCount()} * asset.layerCount());

@@ -59,20 +59,24 @@ EGLContext makeContext(EGLDisplay display, std::string& why) {
     why = "the display has no configuration for OpenGL";
     return EGL_NO_CONTEXT;
   }
+  // Told of a reset where the driver can tell.
   constexpr EGLint kVersions[][2] = {{4, 5}, {4, 3}, {3, 3}};
-  for (const auto& version : kVersions) {
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 version[0],
-                                 EGL_CONTEXT_MINOR_VERSION,
-                                 version[1],
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_NONE};
-    const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
-    if (context == EGL_NO_CONTEXT) continue;
-    if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) return context;
-    eglDestroyContext(display, context);
-  }
+  for (const auto& version : kVersions)
+    for (const EGLint reset : {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_NONE}) {
+      const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                   version[0],
+                                   EGL_CONTEXT_MINOR_VERSION,
+                                   version[1],
+                                   EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                   EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                   reset,
+                                   EGL_LOSE_CONTEXT_ON_RESET,
+                                   EGL_NONE};
+      const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
+      if (context == EGL_NO_CONTEXT) continue;
+      if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) return context;
+      eglDestroyContext(display, context);
+    }
   why = "the driver has no OpenGL 3.3 core";
   return EGL_NO_CONTEXT;
 }

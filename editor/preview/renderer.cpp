@@ -136,8 +136,11 @@ class GpuFrame {
   }
 
   PosedBuffers run(const FrameInput& input) {
-    executor_.upload(input);
-    executor_.run();
+    Status status = executor_.upload(input);
+    if (status.ok()) status = executor_.run();
+    if (!status.ok())
+      throw Error(Exit::kEnvironment, "gpu tier", status.message,
+                  "open the picture again, or use the cpu tier");
     return {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
             executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
   }
@@ -288,7 +291,8 @@ PosedBuffers Renderer::State::pose(const FrameInput& input, Tier tier) {
     return cpu->run(input);
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
-  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kClustered : Form::kRaster);
+  if (!frame)
+    frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kClustered : Form::kRaster);
   return frame->run(input);
 }
 

@@ -41,11 +41,14 @@ struct Executor::State {
   GLuint sums = 0, framebuffer = 0, vertex_array = 0;
   bool debug = false;
   bool some = false;  // kInstances is not all of them
+  ResetStatus asked = nullptr;
+  bool lost = false;  // the names are another context's by now, or nobody's
 
   State() = default;
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
+    if (lost) return;
     for (GLuint program : programs) glDeleteProgram(program);
     glDeleteBuffers(static_cast<GLsizei>(kBuffers), buffers.data());
     if (plan->options().form != Form::kRaster) return;
@@ -57,6 +60,7 @@ struct Executor::State {
 
   bool raster() const { return plan->options().form == Form::kRaster; }
   GLuint buffer(Buffer id) const { return id == Buffer::kCount ? 0 : buffers[static_cast<size_t>(id)]; }
+  Status checkContext();
   Status checkLimits(const Item& item) const;
   Status allocate(Buffer buffer);
   void makeTexels(const Binding& binding);
@@ -66,6 +70,17 @@ struct Executor::State {
   void drawTo(uint32_t slice) const;
   void readPointQ(std::span<std::byte> bytes) const;
 };
+
+Status Executor::State::checkContext() {
+  const GLenum reset = asked ? asked() : GL_NO_ERROR;
+  lost = lost || reset != GL_NO_ERROR || !glIsBuffer(buffer(Buffer::kFrame));
+  if (!lost) return {};
+  return Status::error(StatusCode::kUnavailable, "the OpenGL context was lost (%s)",
+                       reset == GL_GUILTY_CONTEXT_RESET     ? "reset, through its own doing"
+                       : reset == GL_INNOCENT_CONTEXT_RESET ? "reset, through no fault of its own"
+                       : reset != GL_NO_ERROR               ? "reset"
+                                                            : "its objects are gone");
+}
 
 Status Executor::State::checkLimits(const Item& item) const {
   if (item.kind != ItemKind::kDispatch) return {};
@@ -229,7 +244,7 @@ void Executor::State::readPointQ(std::span<std::byte> bytes) const {
 Executor::Executor() = default;
 Executor::~Executor() = default;
 
-Status Executor::create(const FramePlan& plan) {
+Status Executor::create(const FramePlan& plan, ResetStatus lost) {
   state_.reset();
   const Support support = querySupport();
   if (!(plan.options().form == Form::kRaster ? support.gpu_raster : support.gpu))
@@ -238,6 +253,10 @@ Status Executor::create(const FramePlan& plan) {
   auto state = std::make_unique<State>();
   state->plan = &plan;
   state->debug = hasDebug();
+  state->asked = lost ? lost
+                 : epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness")
+                     ? +[] { return uint32_t{glGetGraphicsResetStatus()}; }
+                     : nullptr;
   while (glGetError() != GL_NO_ERROR) {
   }
   for (size_t i = 0; i < kBuffers; ++i)
@@ -253,22 +272,25 @@ Status Executor::create(const FramePlan& plan) {
   }
   if (state->raster())
     if (const Status status = state->makeSums(); !status.ok()) return status;
+  if (const Status status = state->checkContext(); !status.ok()) return status;
   state_ = std::move(state);
   return {};
 }
 
-void Executor::upload(const FrameInput& input, uint32_t instance) {
+Status Executor::upload(const FrameInput& input, uint32_t instance) {
+  if (Status status = state_->checkContext(); !status.ok()) return status;
   const FramePlan& plan = *state_->plan;
   std::vector<std::byte> bytes(plan.instanceBytes(Buffer::kFrame));
   plan.writeFrame(input, bytes);
   upload(Buffer::kFrame, bytes, instance * bytes.size());
-  if (plan.options().posed_by_host) return;
+  if (plan.options().posed_by_host) return {};
   bytes.resize(plan.instanceBytes(Buffer::kMorphWeights));
   plan.writeMorphWeights(input, bytes);
   upload(Buffer::kMorphWeights, bytes, instance * bytes.size());
   const bool linear = plan.options().skinning == Skinning::kLinear;
   upload(Buffer::kPalette, linear ? std::as_bytes(input.palette) : std::as_bytes(input.motions),
          instance * plan.instanceBytes(Buffer::kPalette));
+  return {};
 }
 
 void Executor::upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t offset) {
@@ -278,8 +300,9 @@ void Executor::upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t 
                   bytes.data());
 }
 
-void Executor::run(std::span<const uint32_t> instances) {
+Status Executor::run(std::span<const uint32_t> instances) {
   State& s = *state_;
+  if (Status status = s.checkContext(); !status.ok()) return status;
   const bool clustered = s.plan->options().form == Form::kClustered;
   if (clustered && (!instances.empty() || s.some)) {
     s.some = !instances.empty();
@@ -329,6 +352,7 @@ void Executor::run(std::span<const uint32_t> instances) {
   }
   glUseProgram(0);
   if (s.debug) glPopDebugGroup();
+  return {};
 }
 
 void Executor::read(Buffer buffer, std::span<std::byte> bytes, uint64_t offset) const {

@@ -23,6 +23,8 @@ class GlTest : public testing::Test {
     support_ = gl::querySupport();
   }
 
+  void closeContext() { context_.reset(); }
+
   gl::Support support_;
 
  private:

@@ -10,25 +10,31 @@
 
 namespace furrow::gl {
 
+// How a host that knows better asks whether the context was lost: 0 as long as it was not, a
+// GL_..._CONTEXT_RESET after that.
+using ResetStatus = uint32_t (*)();
+
 class Executor {
  public:
   Executor();
-  ~Executor();
+  ~Executor();  // needs the context, unless it was found lost
 
   // Compiles the shaders and makes and fills the buffers. `plan` and the asset it was made from must outlive
-  // the executor.
-  Status create(const FramePlan& plan);
+  // the executor. Whether the context was lost is asked of `lost`; null: of glGetGraphicsResetStatus, where
+  // the context was made to tell (EGL_EXT_create_context_robustness, GLFW_CONTEXT_ROBUSTNESS). In either case
+  // a context in which the executor's objects are no more is a lost one.
+  Status create(const FramePlan& plan, ResetStatus lost = nullptr);
 
   // Uploads an instance's kFrame and, unless posed by the host, kPalette and kMorphWeights. `input` must fit
-  // the asset.
-  void upload(const FrameInput& input, uint32_t instance = 0);
+  // the asset. kUnavailable where the context was lost: then nothing but the destructor may be called.
+  Status upload(const FrameInput& input, uint32_t instance = 0);
   // `offset` + bytes: at most the buffer's size.
   void upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t offset = 0);
 
   // Records every item; does not wait. In the clustered form, for `instances` alone (each at most once);
   // empty: for all. Leaves no program, vertex array and framebuffer bound; the raster form also leaves
-  // blending and the rasteriser's discarding off and the viewport changed.
-  void run(std::span<const uint32_t> instances = {});
+  // blending and the rasteriser's discarding off and the viewport changed. kUnavailable as for upload().
+  Status run(std::span<const uint32_t> instances = {});
 
   // Waits. In the raster form kPointQ is divided from the sums here.
   void read(Buffer buffer, std::span<std::byte> bytes, uint64_t offset = 0) const;

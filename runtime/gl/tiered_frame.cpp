@@ -1,0 +1,178 @@
+#include "furrow/gl/tiered_frame.h"
+
+#include <cstdio>
+#include <new>
+#include <vector>
+
+#include "furrow/cluster_frame.h"
+
+namespace furrow::gl {
+
+namespace {
+
+// The cpu tier: posed by the jobs, weighed by the clustered frame on the calling thread.
+class CpuTier {
+ public:
+  Status create(const AssetView& asset, const PlanOptions& options) {
+    asset_ = &asset;
+    options_ = options;
+    if (Status status = clusters_.build(asset); !status.ok()) return status;
+    const size_t vertices = asset.vertexCount(), count = vertices * asset.weightStride();
+    positions.resize(vertices);
+    normals.resize(options.normals ? vertices : 0);
+    tangents.resize(options.normals ? vertices : 0);
+    weights.resize(count);
+    state_.resize(options.ease ? count : 0);
+    scratch_.resize(clusters_.scratchBytes() + 64);
+    return {};
+  }
+
+  Status run(const FrameInput& input) {
+    DeformJob deform{asset_, input.palette, input.morph_weights, positions, normals, tangents};
+    deform.skinning = options_.skinning;
+    deform.motions = input.motions;
+    if (Status status = deform.validate(); !status.ok()) return status;
+    deform.run(0, asset_->vertexCount());
+
+    ClusterFrameJob frame;
+    frame.clusters = &clusters_;
+    frame.posed = reinterpret_cast<const std::byte*>(positions.data());
+    frame.scale = input.scale;
+    frame.responses = input.responses;
+    frame.region_weights = input.region_weights;
+    frame.weights = weights;
+    if (Status status = frame.validate(); !status.ok()) return status;
+    void* memory = scratch_.data();
+    size_t space = scratch_.size();
+    std::align(64, clusters_.scratchBytes(), memory, space);
+    frame.run(0, clusters_.count(), {static_cast<std::byte*>(memory), space});
+
+    const EaseJob ease{asset_,        options_.ease ? input.eases : std::span<const Ease>(),
+                       input.seconds, input.reset,
+                       input.fade,    state_,
+                       weights};
+    if (Status status = ease.validate(); !status.ok()) return status;
+    ease.run(0, asset_->vertexCount());
+    return {};
+  }
+
+  std::vector<Float3> positions, normals;
+  std::vector<Float4> tangents;
+  std::vector<int16_t> weights;
+
+ private:
+  const AssetView* asset_ = nullptr;
+  PlanOptions options_;
+  Clusters clusters_;
+  std::vector<float> state_;
+  std::vector<std::byte> scratch_;
+};
+
+}  // namespace
+
+struct TieredFrame::State {
+  const AssetView* asset = nullptr;
+  PlanOptions options;
+  ResetStatus lost = nullptr;
+  Tier tier = Tier::kCpu;
+  char reason[192] = {};
+  bool fresh = true;
+  std::unique_ptr<FramePlan> plan;
+  std::unique_ptr<Executor> executor;
+  std::unique_ptr<CpuTier> cpu;
+
+  Status start(Tier wanted) {
+    fresh = true;
+    tier = wanted;
+    if (tier == Tier::kCpu) {
+      cpu = std::make_unique<CpuTier>();
+      return cpu->create(*asset, options);
+    }
+    options.form = tier == Tier::kGpuRaster ? Form::kRaster : Form::kClustered;
+    plan = std::make_unique<FramePlan>(*asset, options);
+    executor = std::make_unique<Executor>();
+    return executor->create(*plan, lost);
+  }
+
+  // To the next tier that there is.
+  void fall() {
+    executor.reset();
+    plan.reset();
+    do {
+      const Status status = start(static_cast<Tier>(static_cast<int>(tier) + 1));
+      if (status.ok()) return;
+      executor.reset();
+      plan.reset();
+    } while (tier != Tier::kCpu);
+  }
+};
+
+TieredFrame::TieredFrame() = default;
+TieredFrame::~TieredFrame() = default;
+
+Status TieredFrame::create(const AssetView& asset, Tier tier, const PlanOptions& options,
+                           ResetStatus lost) try {
+  state_ = std::make_unique<State>();
+  state_->asset = &asset;
+  state_->options = options;
+  state_->options.instances = 1;
+  state_->lost = lost;
+  const Status status = state_->start(tier);
+  if (!status.ok()) state_.reset();
+  return status;
+} catch (const std::bad_alloc&) {
+  state_.reset();
+  return Status::error(StatusCode::kOutOfMemory, "out of memory");
+}
+
+Status TieredFrame::run(const FrameInput& input) try {
+  State& s = *state_;
+  FrameInput now = input;
+  now.reset = input.reset || s.fresh;
+  if (s.cpu) {
+    const Status status = s.cpu->run(now);
+    s.fresh = !status.ok();
+    return status;
+  }
+  Status status = s.executor->upload(now);
+  if (status.ok()) status = s.executor->run();
+  s.fresh = !status.ok();
+  if (status.ok()) return status;
+  const Tier before = s.tier;
+  s.fall();
+  std::snprintf(s.reason, sizeof s.reason, "the %s tier ended: %.80s; frames run on the %s tier",
+                tierName(before), status.message, tierName(s.tier));
+  return Status::error(StatusCode::kUnavailable, "%s", s.reason);
+} catch (const std::bad_alloc&) {
+  return Status::error(StatusCode::kOutOfMemory, "out of memory");
+}
+
+Tier TieredFrame::tier() const {
+  return state_->tier;
+}
+
+const char* TieredFrame::reason() const {
+  return state_->reason;
+}
+
+const Executor* TieredFrame::executor() const {
+  return state_->executor.get();
+}
+
+std::span<const Float3> TieredFrame::positions() const {
+  return state_->cpu ? std::span<const Float3>(state_->cpu->positions) : std::span<const Float3>();
+}
+
+std::span<const Float3> TieredFrame::normals() const {
+  return state_->cpu ? std::span<const Float3>(state_->cpu->normals) : std::span<const Float3>();
+}
+
+std::span<const Float4> TieredFrame::tangents() const {
+  return state_->cpu ? std::span<const Float4>(state_->cpu->tangents) : std::span<const Float4>();
+}
+
+std::span<const int16_t> TieredFrame::weights() const {
+  return state_->cpu ? std::span<const int16_t>(state_->cpu->weights) : std::span<const int16_t>();
+}
+
+}  // namespace furrow::gl

@@ -1,0 +1,139 @@
+// Which tier runs, and what happens when the OpenGL context under it is lost.
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "furrow/gl/tiered_frame.h"
+#include "tests/image/ball_asset.h"
+#include "tests/image/gl_fixture.h"
+
+namespace furrow::tests {
+namespace {
+
+using gl::Tier;
+using testing::HasSubstr;
+
+std::string wanted(const char* backend) {
+  std::string_view tier;
+  const Status status = gl::wantedTier(backend, tier);
+  return status.ok() ? std::string(tier) : status.message;
+}
+
+TEST(TierChoice, TheHostThenTheEnvironmentThenTheBestThereIs) {
+  unsetenv("FURROW_BACKEND");
+  EXPECT_EQ(wanted("auto"), "auto");
+  EXPECT_EQ(wanted(""), "auto");
+  EXPECT_EQ(wanted("cpu"), "cpu");
+  EXPECT_THAT(wanted("cuda"), HasSubstr("backend is \"cuda\" and not auto, gpu, gpu-raster or cpu"));
+  setenv("FURROW_BACKEND", "gpu-raster", 1);
+  EXPECT_EQ(wanted("auto"), "gpu-raster");
+  EXPECT_EQ(wanted("gpu"), "gpu");
+  setenv("FURROW_BACKEND", "GPU", 1);
+  EXPECT_THAT(wanted("auto"), HasSubstr("FURROW_BACKEND is \"GPU\" and not auto, gpu"));
+  setenv("FURROW_BACKEND", "", 1);
+  EXPECT_EQ(wanted("auto"), "auto");
+  unsetenv("FURROW_BACKEND");
+}
+
+TEST(TierChoice, WithoutAContext) {
+  gl::TierChoice choice;
+  ASSERT_TRUE(gl::chooseTier("auto", "no display", choice).ok());
+  EXPECT_EQ(choice.tier, Tier::kCpu);
+  EXPECT_THAT(choice.reason, HasSubstr("no display"));
+  ASSERT_TRUE(gl::chooseTier("cpu", "", choice).ok());
+  EXPECT_STREQ(choice.reason, "cpu, as asked for");
+  for (const char* forced : {"gpu", "gpu-raster"}) {
+    const Status status = gl::chooseTier(forced, "no display", choice);
+    EXPECT_EQ(status.code, StatusCode::kUnavailable);
+    EXPECT_THAT(status.message,
+                HasSubstr(std::string("the ") + forced + " tier is not available: no display"));
+  }
+}
+
+int resets_to_report = 0;
+uint32_t reportedReset() {
+  constexpr uint32_t kInnocentContextReset = 0x8254;
+  return resets_to_report > 0 ? (--resets_to_report, kInnocentContextReset) : 0u;
+}
+
+class LostContext : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (!IsSkipped() && !support_.gpu) GTEST_SKIP() << support_.reason;
+    palette_[1].m[7] = -0.21f;
+    input_.palette = palette_;
+    input_.morph_weights = morph_;
+    resets_to_report = 0;
+    gl::TieredFrame cpu;
+    ASSERT_TRUE(cpu.create(ball_.view(), Tier::kCpu).ok());
+    ASSERT_TRUE(cpu.run(input_).ok());
+    expected_.assign(cpu.weights().begin(), cpu.weights().end());
+  }
+
+  void expectWeights(const gl::TieredFrame& frame) const {
+    std::vector<int16_t> weights(frame.weights().begin(), frame.weights().end());
+    if (frame.executor()) {
+      weights.resize(expected_.size());
+      frame.executor()->read(Buffer::kWeights, std::as_writable_bytes(std::span(weights)));
+    }
+    ASSERT_EQ(weights.size(), expected_.size());
+    for (size_t i = 0; i < weights.size(); ++i) ASSERT_NEAR(weights[i], expected_[i], 3);
+  }
+
+  const BallAsset ball_;
+  std::vector<Affine> palette_{2};
+  std::vector<float> morph_{0.35f};
+  FrameInput input_;
+  std::vector<int16_t> expected_;
+};
+
+TEST_F(LostContext, EveryLossIsReportedAndCostsOneTier) {
+  gl::TieredFrame frame;
+  ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu, {}, reportedReset).ok());
+  ASSERT_TRUE(frame.run(input_).ok());
+  expectWeights(frame);
+  EXPECT_STREQ(frame.reason(), "");
+  for (const auto& [next, name] : {std::pair(Tier::kGpuRaster, "gpu-raster"), std::pair(Tier::kCpu, "cpu")}) {
+    resets_to_report = 1;
+    const Status status = frame.run(input_);
+    EXPECT_EQ(status.code, StatusCode::kUnavailable);
+    EXPECT_THAT(status.message, HasSubstr("lost (reset, through no fault of its own)"));
+    EXPECT_THAT(status.message, HasSubstr(std::string("frames run on the ") + name + " tier"));
+    EXPECT_STREQ(frame.reason(), status.message);
+    EXPECT_EQ(frame.tier(), next);
+    ASSERT_TRUE(frame.run(input_).ok());
+    expectWeights(frame);
+  }
+  resets_to_report = 1;
+  EXPECT_TRUE(frame.run(input_).ok());  // nobody asks any more
+}
+
+TEST_F(LostContext, ADestroyedContextIsALostOne) {
+  gl::TieredFrame frame;
+  ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu).ok());
+  ASSERT_TRUE(frame.run(input_).ok());
+  closeContext();
+  EXPECT_EQ(frame.run(input_).code, StatusCode::kUnavailable);
+  EXPECT_EQ(frame.tier(), Tier::kCpu);
+  ASSERT_TRUE(frame.run(input_).ok());
+  expectWeights(frame);
+}
+
+TEST_F(LostContext, AnotherContextInItsPlaceRunsTheNextTier) {
+  auto frame = std::make_unique<gl::TieredFrame>();
+  ASSERT_TRUE(frame->create(ball_.view(), Tier::kGpu).ok());
+  closeContext();
+  const preview::HeadlessContext another;
+  EXPECT_THAT(frame->run(input_).message, HasSubstr("its objects are gone"));
+  EXPECT_EQ(frame->tier(), Tier::kGpuRaster);
+  ASSERT_TRUE(frame->run(input_).ok());
+  expectWeights(*frame);
+  frame.reset();  // while its context is current
+}
+
+}  // namespace
+}  // namespace furrow::tests
