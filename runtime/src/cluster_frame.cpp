@@ -66,10 +66,10 @@ HWY_INLINE void storeSums(RingPack& ring, float* out, size_t step) {
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
 #if HWY_MAX_BYTES >= 64
-  const hn::FixedTag<float, 8> d8;
-  return hn::Combine(
-      D(), hn::Combine(d8, hn::LoadU(D4(), positions + corner[36]), hn::LoadU(D4(), positions + corner[24])),
-      hn::Combine(d8, hn::LoadU(D4(), positions + corner[12]), hn::LoadU(D4(), positions + corner[0])));
+  __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(positions + corner[0]));
+  v = _mm512_mask_broadcast_f32x4(v, 0x00f0, _mm_loadu_ps(positions + corner[12]));
+  v = _mm512_mask_broadcast_f32x4(v, 0x0f00, _mm_loadu_ps(positions + corner[24]));
+  return Lanes{_mm512_mask_broadcast_f32x4(v, 0xf000, _mm_loadu_ps(positions + corner[36]))};
 #elif HWY_MAX_BYTES >= 32
   return hn::Combine(D(), hn::LoadU(D4(), positions + corner[12]), hn::LoadU(D4(), positions + corner[0]));
 #else
@@ -161,15 +161,16 @@ class Ahead {
     lines_ = static_cast<uint32_t>(words_end_ - word_) / kLineWords / steps + 1;
     vertex_ = words + next.slot_vertex;
     vertices_end_ = vertex_ + (job.posed ? next.slots : 0);
-    vertices_ = static_cast<uint32_t>(vertices_end_ - vertex_) / steps + 1;
+    vertices_ = static_cast<uint32_t>(vertices_end_ - vertex_) / kFetchEvery / steps + 1;
   }
   HWY_INLINE void step() {
     for (uint32_t i = 0; i < lines_ && word_ < words_end_; ++i, word_ += kLineWords) fetch(word_);
-    for (uint32_t i = 0; i < vertices_ && vertex_ < vertices_end_; ++i, ++vertex_)
+    for (uint32_t i = 0; i < vertices_ && vertex_ < vertices_end_; ++i, vertex_ += kFetchEvery)
       fetch(job_.posed + *vertex_ * job_.posed_stride);
   }
 
  private:
+  static constexpr uint32_t kFetchEvery = 2;  // neighbouring slots mostly share a cache line
   HWY_INLINE static void fetch(const void* at) {
 #if HWY_ARCH_X86
     _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T1);

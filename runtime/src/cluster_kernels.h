@@ -19,9 +19,11 @@ struct RestHeader {
 };
 inline constexpr uint32_t kRestHeaderWords = 16;
 
+inline constexpr uint32_t kVertexPad = 64;  // vertices that a response works on at a time, at most
+
 // Scratch memory of one cluster.
 struct ClusterScratch {
-  size_t padded;      // vertices, to whole vectors
+  size_t padded;      // vertices, to kVertexPad
   float* positions;   // 4 a slot: x, y, z and anything
   float* triangle_q;  // kPack a triangle
   float* q;           // kPack times `padded`

@@ -153,6 +153,8 @@ class Builder {
         const uint32_t v = a_.surface_indices[3 * size_t{t} + k];
         if (vertex_slot_[v] == kAbsent) slot(v);
       }
+    std::sort(slots_.begin() + c.vertices, slots_.end());
+    for (size_t s = c.vertices; s < slots_.size(); ++s) vertex_slot_[slots_[s]] = static_cast<uint32_t>(s);
     c.slots = static_cast<uint32_t>(slots_.size());
   }
 
@@ -300,22 +302,22 @@ class Builder {
   std::vector<uint16_t> extra_, halves_;
 };
 
-size_t paddedTo16(size_t count) {
-  return (count + 15) / 16 * 16;
+size_t padded(size_t count, size_t to) {
+  return (count + to - 1) / to * to;
 }
 
 }  // namespace
 
 size_t scratchBytes(const Cluster& c) {
-  return sizeof(float) *
-         (4 * paddedTo16(c.slots) + size_t{kPack} * c.triangles + (kPack + 2) * paddedTo16(c.vertices));
+  return sizeof(float) * (4 * padded(c.slots, kPoseLanes) + size_t{kPack} * c.triangles +
+                          (kPack + 2) * padded(c.vertices, kVertexPad));
 }
 
 ClusterScratch scratchOf(const Cluster& c, std::byte* memory) {
   ClusterScratch s = {};
-  s.padded = paddedTo16(c.vertices);
+  s.padded = padded(c.vertices, kVertexPad);
   s.positions = reinterpret_cast<float*>(memory);
-  s.triangle_q = s.positions + 4 * paddedTo16(c.slots);
+  s.triangle_q = s.positions + 4 * padded(c.slots, kPoseLanes);
   s.q = s.triangle_q + size_t{kPack} * c.triangles;
   s.bias = s.q + kPack * s.padded;
   s.pairs = reinterpret_cast<uint32_t*>(s.bias + s.padded);

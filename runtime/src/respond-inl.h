@@ -1,4 +1,4 @@
-// Responses of kWidth vertices at a time: the arithmetic of response_math.h, to the same bits. Compiled for
+// Responses of many vertices at a time: the arithmetic of response_math.h, to the same bits. Compiled for
 // every instruction set.
 
 #if defined(FURROW_RESPOND_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -29,74 +29,121 @@ HWY_INLINE void respondVertices(const Curve& curve, const float* q, const float*
 
 #else
 
+// Vectors in step with one another: a response is one long chain of operations, of which a core must have
+// several at work.
+constexpr uint32_t kTeam = 4;
+struct Team {
+  Lanes v[kTeam];
+};
+template <typename Function>
+HWY_INLINE Team teamOf(Function f) {
+  Team out;
+  for (uint32_t i = 0; i < kTeam; ++i) out.v[i] = f(i);
+  return out;
+}
+HWY_INLINE Team operator+(const Team& a, const Team& b) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return a.v[i] + b.v[i]; });
+}
+HWY_INLINE Team operator-(const Team& a, const Team& b) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return a.v[i] - b.v[i]; });
+}
+HWY_INLINE Team operator*(const Team& a, const Team& b) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return a.v[i] * b.v[i]; });
+}
+HWY_INLINE Team operator/(const Team& a, const Team& b) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return a.v[i] / b.v[i]; });
+}
+HWY_INLINE Team operator-(const Team& a) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return hn::Neg(a.v[i]); });
+}
+HWY_INLINE Team teamOf(float x) {
+  return teamOf([&](uint32_t) HWY_ATTR { return all(x); });
+}
+HWY_INLINE Team clamped(const Team& a, float low, float high) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return hn::Min(hn::Max(a.v[i], all(low)), all(high)); });
+}
+// Where x >= 0, `yes`, else `no`.
+HWY_INLINE Team select(const Team& x, const Team& yes, const Team& no) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return ifNotNegative(x.v[i], yes.v[i], no.v[i]); });
+}
+
 using DInt = hn::RebindToSigned<D>;
 
-HWY_INLINE Lanes log2(Lanes x) {
+HWY_INLINE Team log2(const Team& x) {
   const DInt d;
-  const auto bits = hn::BitCast(d, x);
-  const auto exponent = hn::ShiftRight<23>(bits - hn::Set(d, 0x3f3504f3));
-  const Lanes mantissa = hn::BitCast(D(), bits - hn::ShiftLeft<23>(exponent));
-  const Lanes t = (mantissa - all(1.0f)) / (mantissa + all(1.0f));
-  const Lanes t2 = t * t;
-  const Lanes series =
-      t * (all(kLog2Series[0]) +
-           t2 * (all(kLog2Series[1]) +
-                 t2 * (all(kLog2Series[2]) + t2 * (all(kLog2Series[3]) + t2 * all(kLog2Series[4])))));
-  return hn::ConvertTo(D(), exponent) + series;
+  Team exponent, mantissa;
+  for (uint32_t i = 0; i < kTeam; ++i) {
+    const auto bits = hn::BitCast(d, x.v[i]);
+    const auto whole = hn::ShiftRight<23>(bits - hn::Set(d, 0x3f3504f3));
+    exponent.v[i] = hn::ConvertTo(D(), whole);
+    mantissa.v[i] = hn::BitCast(D(), bits - hn::ShiftLeft<23>(whole));
+  }
+  const Team t = (mantissa - teamOf(1.0f)) / (mantissa + teamOf(1.0f));
+  const Team t2 = t * t;
+  Team series = teamOf(kLog2Series[4]);
+  for (int i = 3; i >= 0; --i) series = teamOf(kLog2Series[i]) + t2 * series;
+  return exponent + t * series;
 }
 
-HWY_INLINE Lanes exp2(Lanes y) {
+HWY_INLINE Team exp2(const Team& x) {
   const DInt d;
-  y = hn::Min(hn::Max(y, all(-126.0f)), all(126.0f));
-  const Lanes shifted = y + all(kRounder);
-  const Lanes f = y - (shifted - all(kRounder));
-  Lanes series = all(kExp2Series[6]) + f * all(kExp2Series[7]);
-  for (int i = 5; i >= 0; --i) series = all(kExp2Series[i]) + f * series;
-  const auto exponent = hn::BitCast(d, shifted) - hn::Set(d, kRounderBits);
-  return hn::BitCast(D(), hn::BitCast(d, series) + hn::ShiftLeft<23>(exponent));
+  const Team y = clamped(x, -126.0f, 126.0f);
+  const Team shifted = y + teamOf(kRounder);
+  const Team f = y - (shifted - teamOf(kRounder));
+  Team series = teamOf(kExp2Series[7]);
+  for (int i = 6; i >= 0; --i) series = teamOf(kExp2Series[i]) + f * series;
+  return teamOf([&](uint32_t i) HWY_ATTR {
+    const auto exponent = hn::BitCast(d, shifted.v[i]) - hn::Set(d, kRounderBits);
+    return hn::BitCast(D(), hn::BitCast(d, series.v[i]) + hn::ShiftLeft<23>(exponent));
+  });
 }
 
-HWY_INLINE Lanes intensity(Lanes log_alpha, Lanes log_lambda, Lanes beta) {
-  return hn::Max(hn::Zero(D()), all(1.0f) - all(2.0f) / (all(1.0f) + exp2(beta * (log_alpha - log_lambda))));
+HWY_INLINE Team intensity(const Team& log_alpha, const Team& log_lambda, const Team& beta) {
+  const Team rising = teamOf(1.0f) - teamOf(2.0f) / (teamOf(1.0f) + exp2(beta * (log_alpha - log_lambda)));
+  return teamOf([&](uint32_t i) HWY_ATTR { return hn::Max(hn::Zero(D()), rising.v[i]); });
 }
 
-HWY_INLINE Lanes answer(const OatCurve&, Lanes q) {
-  return all(1.0f) - q;
+HWY_INLINE Team answer(const OatCurve&, const Team& q) {
+  return teamOf(1.0f) - q;
 }
-HWY_INLINE Lanes answer(const LarssonCurve& c, Lanes q) {
-  const Lanes log_alpha = hn::Neg(log2(q));
-  return intensity(log_alpha, all(c.log_lambda), all(c.beta)) -
-         intensity(hn::Neg(log_alpha), all(c.log_stretch_lambda), all(c.stretch_beta));
+HWY_INLINE Team answer(const LarssonCurve& c, const Team& q) {
+  const Team log_alpha = -log2(q);
+  return intensity(log_alpha, teamOf(c.log_lambda), teamOf(c.beta)) -
+         intensity(-log_alpha, teamOf(c.log_stretch_lambda), teamOf(c.stretch_beta));
 }
-HWY_INLINE Lanes answer(const OneSidedLarssonCurve& c, Lanes q) {
-  const Lanes log_alpha = hn::Neg(log2(q));
-  const auto squeezed = log_alpha >= hn::Zero(D());
-  const Lanes weight =
-      intensity(hn::Abs(log_alpha), hn::IfThenElse(squeezed, all(c.log_lambda), all(c.log_stretch_lambda)),
-                hn::IfThenElse(squeezed, all(c.beta), all(c.stretch_beta)));
-  return hn::IfThenElse(squeezed, weight, hn::Neg(weight));
+HWY_INLINE Team answer(const OneSidedLarssonCurve& c, const Team& q) {
+  const Team log_alpha = -log2(q);
+  const Team weight = intensity(select(log_alpha, log_alpha, -log_alpha),
+                                select(log_alpha, teamOf(c.log_lambda), teamOf(c.log_stretch_lambda)),
+                                select(log_alpha, teamOf(c.beta), teamOf(c.stretch_beta)));
+  return select(log_alpha, weight, -weight);
 }
 
 template <bool kSecond, typename Curve>
 HWY_INLINE void respondVertices(const Curve& curve, const float* q, const float* bias, float region,
                                 uint32_t count, uint32_t* pairs) {
   const DInt d;
-  auto* out = reinterpret_cast<int32_t*>(pairs);
-  for (uint32_t i = 0; i < count; i += kWidth) {
-    const Lanes w = (answer(curve, hn::Max(load(q + i), all(kMinQ))) + load(bias + i)) + all(region);
-    const Lanes clamped = hn::Min(hn::Max(w, all(-1.0f)), all(1.0f));
-    const auto bits = hn::BitCast(d, clamped * all(32767.0f) + all(kRounder)) - hn::Set(d, kRounderBits);
-    if constexpr (kSecond)
-      hn::StoreU(hn::LoadU(d, out + i) | hn::ShiftLeft<16>(bits), d, out + i);
-    else
-      hn::StoreU(bits & hn::Set(d, 0xffff), d, out + i);
+  for (uint32_t first = 0; first < count; first += kTeam * kWidth) {
+    const Team each =
+        teamOf([&](uint32_t i) HWY_ATTR { return hn::Max(load(q + first + i * kWidth), all(kMinQ)); });
+    const Team biases = teamOf([&](uint32_t i) HWY_ATTR { return load(bias + first + i * kWidth); });
+    const Team w = clamped((answer(curve, each) + biases) + teamOf(region), -1.0f, 1.0f);
+    const Team rounded = w * teamOf(32767.0f) + teamOf(kRounder);
+    auto* out = reinterpret_cast<int32_t*>(pairs) + first;
+    for (uint32_t i = 0; i < kTeam; ++i, out += kWidth) {
+      const auto bits = hn::BitCast(d, rounded.v[i]) - hn::Set(d, kRounderBits);
+      if constexpr (kSecond)
+        hn::StoreU(hn::LoadU(d, out) | hn::ShiftLeft<16>(bits), d, out);
+      else
+        hn::StoreU(bits & hn::Set(d, 0xffff), d, out);
+    }
   }
 }
 
 #endif
 
 // Weights as snorm16 from q and bias, into the lower halves of `pairs`, whose upper halves become 0, or into
-// the upper ones. Arrays are padded to whole vectors.
+// the upper ones. Arrays are padded to kVertexPad.
 HWY_INLINE void respondPairs(const Response& response, const float* q, const float* bias, float region,
                              uint32_t count, bool upper, uint32_t* pairs) {
   withCurve(response, [&](const auto& curve) HWY_ATTR {
