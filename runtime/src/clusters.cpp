@@ -211,13 +211,10 @@ class Builder {
       for (uint32_t k = 1; k < influences; ++k) halves[(k - 1) * kPoseLanes + lane] = weights[k];
       halves += (influences - 1) * kPoseLanes;
       for (uint32_t k = 0; k < influences; ++k) {
-        // A joint of no weight must not matter, even if its matrix is not finite.
-        const uint16_t joint =
-            weights[k] ? joints[k] : joints[std::max_element(weights, weights + influences) - weights];
         if (out_.wideJoints())
-          halves[lane * influences + k] = joint;
+          halves[lane * influences + k] = joints[k];
         else
-          reinterpret_cast<uint8_t*>(halves)[lane * influences + k] = static_cast<uint8_t>(joint);
+          reinterpret_cast<uint8_t*>(halves)[lane * influences + k] = static_cast<uint8_t>(joints[k]);
       }
     }
   }

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "furrow/asset.h"
+#include "furrow/simd.h"
 #include "furrow/skinning.h"
 
 namespace furrow {
@@ -19,13 +20,16 @@ namespace furrow {
 // Sources: glTF 2.0, 3.7.2.2 (morph targets) and 3.7.3 (skins); skinning.h.
 struct DeformJob {
   const AssetView* asset = nullptr;
-  std::span<const Affine> palette;  // asset->palette.size(), translations relative to the instance's origin
+  // asset->palette.size(), translations relative to the instance's origin. A matrix that is not finite spoils
+  // all vertices that name its joint, with weight 0 too.
+  std::span<const Affine> palette;
   std::span<const float> morph_weights;  // asset->morphs.size()
   std::span<Float3> positions;           // out, a vertex
   std::span<Float3> normals;             // out, a vertex, unit; or empty
   std::span<Float4> tangents;            // out, a vertex, unit xyz; or empty (needs normals)
   Skinning skinning = Skinning::kLinear;
   std::span<const JointMotion> motions = {};  // of the palette, by splitPalette(); for kDualQuaternion alone
+  Simd simd = bestSimd();                     // the same bits from all
 
   Status validate() const;
   void run(uint32_t begin, uint32_t end) const;
