@@ -275,11 +275,7 @@ HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, floa
       transformPoints(
           blend(job.palette.data(), joints + i * influences, influences, weights + i, 1, kPoseLanes), x, y,
           z);
-      transpose(x, y, z, w);
-      storeBlocks(x, out + 4 * i, 16);
-      storeBlocks(y, out + 4 * i + 4, 16);
-      storeBlocks(z, out + 4 * i + 8, 16);
-      storeBlocks(w, out + 4 * i + 12, 16);
+      store4(x, y, z, w, out + 4 * i);
     }
   }
 }

@@ -39,56 +39,104 @@ HWY_INLINE Lanes dot(const Vectors& a, const Vectors& b) {
   return (a.x * b.x + a.y * b.y) + a.z * b.z;
 }
 
-// Where kWidth vertices come from and go to; normals and tangents may be null.
+// Where kWidth vertices come from and go to; normals and tangents may be null. Of the last group of a job
+// only `count` are wanted.
 struct Group {
+  uint32_t vertex, count;
+  const uint16_t *joints, *weights;
   const float *positions, *normals, *tangents;
   float *out_positions, *out_normals, *out_tangents;
 };
 
-HWY_INLINE void pose(const Matrices& a, const Group& group) {
-  Vectors p;
-  load3(group.positions, p.x, p.y, p.z);
-  transformPoints(a, p.x, p.y, p.z);
-  store3(p.x, p.y, p.z, group.out_positions);
-  if (!group.normals) return;
-  // By the cofactor matrix, which is right for unevenly scaled joints too, and outwards still where they
-  // mirror.
-  const Vectors cofactors[3] = {cross(a.m[1], a.m[2]), cross(a.m[2], a.m[0]), cross(a.m[0], a.m[1])};
-  const Lanes hand = ifNegative(dot({a.m[0][0], a.m[0][1], a.m[0][2]}, cofactors[0]), all(-1.0f), all(1.0f));
-  Vectors n;
-  load3(group.normals, n.x, n.y, n.z);
-  n = unit({hand * dot(cofactors[0], n), hand * dot(cofactors[1], n), hand * dot(cofactors[2], n)});
-  store3(n.x, n.y, n.z, group.out_normals);
-  if (!group.tangents) return;
-  Vectors t;
-  Lanes w = all(0.0f);
-  load4(group.tangents, t.x, t.y, t.z, w);
-  const auto row = [&](const Lanes(&m)[4]) HWY_ATTR { return (m[0] * t.x + m[1] * t.y) + m[2] * t.z; };
-  const Vectors v = {row(a.m[0]), row(a.m[1]), row(a.m[2])};
-  const Lanes along = dot(v, n);
-  t = unit({v.x - along * n.x, v.y - along * n.y, v.z - along * n.z});
-  store4(t.x, t.y, t.z, hand * w, group.out_tangents);
-}
-
-HWY_INLINE Matrices linear(const DeformJob& job, const uint16_t* joints, const uint16_t* weights,
-                           float* scratch) {
+HWY_INLINE Matrices linear(const DeformJob& job, const Group& group) {
   const uint32_t influences = job.asset->influences;
+  alignas(64) float weights[kMostInfluences * kWidth];
   for (uint32_t i = 0; i < kWidth * influences; i += kWidth)
-    store(fromUint16(weights + i) * all(kUnorm16), scratch + i);
-  return blend(job.palette.data(), joints, influences, scratch, influences, 1);
+    store(fromUint16(group.weights + i) * all(kUnorm16), weights + i);
+  return blend(job.palette.data(), group.joints, influences, weights, influences, 1);
 }
 
-// Of the first `count` vertices.
-Matrices dualQuaternion(const DeformJob& job, uint32_t vertex, uint32_t count) {
+Matrices dualQuaternion(const DeformJob& job, const Group& group) {
   float entries[12][kWidth] = {};
-  for (uint32_t i = 0; i < count; ++i) {
-    const Affine matrix = blendMotions(*job.asset, job.motions, vertex + i);
+  for (uint32_t i = 0; i < group.count; ++i) {
+    const Affine matrix = blendMotions(*job.asset, job.motions, group.vertex + i);
     for (int e = 0; e < 12; ++e) entries[e][i] = matrix.m[e];
   }
   Matrices out;
   for (int e = 0; e < 12; ++e) out.m[e / 4][e % 4] = load(entries[e]);
   return out;
 }
+
+// Some groups at a time, since a core must have several of the long chains of square root and division at
+// work.
+constexpr uint32_t kTeam = 4;
+
+HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_t count) {
+  Vectors normals[kTeam], tangents[kTeam];
+  Lanes signs[kTeam];
+  for (uint32_t g = 0; g < count; ++g) {
+    const Group& group = groups[g];
+    const Matrices a = job.skinning == Skinning::kLinear ? linear(job, group) : dualQuaternion(job, group);
+    Vectors p;
+    load3(group.positions, p.x, p.y, p.z);
+    transformPoints(a, p.x, p.y, p.z);
+    store3(p.x, p.y, p.z, group.out_positions);
+    if (!group.normals) continue;
+    // By the cofactor matrix, which is right for unevenly scaled joints too, and outwards still where they
+    // mirror.
+    const Vectors cofactors[3] = {cross(a.m[1], a.m[2]), cross(a.m[2], a.m[0]), cross(a.m[0], a.m[1])};
+    const Lanes hand =
+        ifNegative(dot({a.m[0][0], a.m[0][1], a.m[0][2]}, cofactors[0]), all(-1.0f), all(1.0f));
+    Vectors n;
+    load3(group.normals, n.x, n.y, n.z);
+    normals[g] = {hand * dot(cofactors[0], n), hand * dot(cofactors[1], n), hand * dot(cofactors[2], n)};
+    if (!group.tangents) continue;
+    Vectors t;
+    load4(group.tangents, t.x, t.y, t.z, signs[g]);
+    const auto row = [&](const Lanes(&m)[4]) HWY_ATTR { return (m[0] * t.x + m[1] * t.y) + m[2] * t.z; };
+    tangents[g] = {row(a.m[0]), row(a.m[1]), row(a.m[2])};
+    signs[g] = hand * signs[g];
+  }
+  for (uint32_t g = 0; g < count && groups[g].normals; ++g) {
+    normals[g] = unit(normals[g]);
+    store3(normals[g].x, normals[g].y, normals[g].z, groups[g].out_normals);
+  }
+  for (uint32_t g = 0; g < count && groups[g].tangents; ++g) {
+    const Vectors &n = normals[g], &v = tangents[g];
+    const Lanes along = dot(v, n);
+    const Vectors t = unit({v.x - along * n.x, v.y - along * n.y, v.z - along * n.z});
+    store4(t.x, t.y, t.z, signs[g], groups[g].out_tangents);
+  }
+}
+
+// Memory for a group of fewer than kWidth vertices, in the company of zeros.
+struct LastGroup {
+  uint16_t joints[kMostInfluences * kWidth] = {}, weights[kMostInfluences * kWidth] = {};
+  float positions[3 * kWidth] = {}, normals[3 * kWidth] = {}, tangents[4 * kWidth] = {};
+
+  Group of(const Group& from, uint32_t influences) {
+    std::copy(from.joints, from.joints + from.count * influences, joints);
+    std::copy(from.weights, from.weights + from.count * influences, weights);
+    std::copy(from.positions, from.positions + 3 * from.count, positions);
+    if (from.normals) std::copy(from.normals, from.normals + 3 * from.count, normals);
+    if (from.tangents) std::copy(from.tangents, from.tangents + 4 * from.count, tangents);
+    return {from.vertex,
+            from.count,
+            joints,
+            weights,
+            positions,
+            from.normals ? normals : nullptr,
+            from.tangents ? tangents : nullptr,
+            positions,
+            normals,
+            tangents};
+  }
+  void copyOut(const Group& to) const {
+    std::copy(positions, positions + 3 * to.count, to.out_positions);
+    if (to.normals) std::copy(normals, normals + 3 * to.count, to.out_normals);
+    if (to.tangents) std::copy(tangents, tangents + 4 * to.count, to.out_tangents);
+  }
+};
 
 }  // namespace
 
@@ -97,40 +145,30 @@ void deformVertices(const DeformJob& job, const Float3* positions, const Float3*
   const AssetView& asset = *job.asset;
   const size_t influences = asset.influences;
   const bool with_tangents = !job.tangents.empty();
-  alignas(64) float weights[kMostInfluences * kWidth];
-  for (uint32_t v = begin; v < end; v += kWidth) {
-    const uint32_t count = std::min(kWidth, end - v);
-    const uint16_t* joint = &asset.joints[v * influences];
-    const uint16_t* weight = &asset.weights[v * influences];
-    Group group = {&positions[v].x,
-                   normals ? &normals[v].x : nullptr,
-                   with_tangents ? &asset.tangents[v].x : nullptr,
-                   &job.positions[v].x,
-                   normals ? &job.normals[v].x : nullptr,
-                   with_tangents ? &job.tangents[v].x : nullptr};
-    if (count == kWidth) {
-      pose(job.skinning == Skinning::kLinear ? linear(job, joint, weight, weights)
-                                             : dualQuaternion(job, v, kWidth),
-           group);
-      continue;
-    }
-    // The last ones are posed elsewhere, in the company of zeros.
-    uint16_t joints_there[kMostInfluences * kWidth] = {}, weights_there[kMostInfluences * kWidth] = {};
-    std::copy(joint, joint + count * influences, joints_there);
-    std::copy(weight, weight + count * influences, weights_there);
-    float there[10 * kWidth] = {};
-    const float* from[] = {group.positions, group.normals, group.tangents};
-    float* to[] = {group.out_positions, group.out_normals, group.out_tangents};
-    float* at[] = {there, there + 3 * kWidth, there + 6 * kWidth};
-    const uint32_t floats[] = {3 * count, 3 * count, 4 * count};
-    for (int i = 0; i < 3; ++i)
-      if (from[i]) std::copy(from[i], from[i] + floats[i], at[i]);
-    pose(job.skinning == Skinning::kLinear ? linear(job, joints_there, weights_there, weights)
-                                           : dualQuaternion(job, v, count),
-         {at[0], from[1] ? at[1] : nullptr, from[2] ? at[2] : nullptr, at[0], at[1], at[2]});
-    for (int i = 0; i < 3; ++i)
-      if (from[i]) std::copy(at[i], at[i] + floats[i], to[i]);
+  const auto group = [&](uint32_t v) -> Group {
+    return {v,
+            std::min(kWidth, end - v),
+            &asset.joints[v * influences],
+            &asset.weights[v * influences],
+            &positions[v].x,
+            normals ? &normals[v].x : nullptr,
+            with_tangents ? &asset.tangents[v].x : nullptr,
+            &job.positions[v].x,
+            normals ? &job.normals[v].x : nullptr,
+            with_tangents ? &job.tangents[v].x : nullptr};
+  };
+  Group groups[kTeam];
+  uint32_t v = begin;
+  while (end - v >= kWidth) {
+    const uint32_t count = std::min(kTeam, (end - v) / kWidth);
+    for (uint32_t g = 0; g < count; ++g, v += kWidth) groups[g] = group(v);
+    pose(job, groups, count);
   }
+  if (v == end) return;
+  LastGroup last;
+  groups[0] = last.of(group(v), asset.influences);
+  pose(job, groups, 1);
+  last.copyOut(group(v));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -169,17 +169,62 @@ HWY_INLINE Lanes fromUint16(const uint16_t* p, int32_t first) {
   const hn::Rebind<int32_t, D> d32;
   return hn::ConvertTo(D(), hn::Set(d32, first) + hn::PromoteTo(d32, hn::LoadU(d16, p)));
 }
+// Block i from p + i * step.
+HWY_INLINE Lanes loadBlocks(const float* p, size_t step) {
+#if HWY_MAX_BYTES >= 64
+  __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(p));
+  v = _mm512_mask_broadcast_f32x4(v, 0x00f0, _mm_loadu_ps(p + step));
+  v = _mm512_mask_broadcast_f32x4(v, 0x0f00, _mm_loadu_ps(p + 2 * step));
+  return Lanes{_mm512_mask_broadcast_f32x4(v, 0xf000, _mm_loadu_ps(p + 3 * step))};
+#elif HWY_MAX_BYTES >= 32
+  return hn::Combine(D(), hn::LoadU(D4(), p + step), hn::LoadU(D4(), p));
+#else
+  (void)step;
+  return load(p);
+#endif
+}
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128
+// In each block: a[kA], a[kB], b[kC], b[kD].
+template <int kA, int kB, int kC, int kD>
+HWY_INLINE Lanes shuffle(Lanes a, Lanes b) {
+  constexpr int kOrder = kA | kB << 2 | kC << 4 | kD << 6;
+#if HWY_MAX_BYTES >= 64
+  return Lanes{_mm512_shuffle_ps(a.raw, b.raw, kOrder)};
+#elif HWY_MAX_BYTES >= 32
+  return Lanes{_mm256_shuffle_ps(a.raw, b.raw, kOrder)};
+#else
+  return Lanes{_mm_shuffle_ps(a.raw, b.raw, kOrder)};
+#endif
+}
+HWY_INLINE void load3(const float* p, Lanes& x, Lanes& y, Lanes& z) {
+  const Lanes a = loadBlocks(p, 12), b = loadBlocks(p + 4, 12), c = loadBlocks(p + 8, 12);
+  const Lanes yz01 = shuffle<1, 2, 0, 1>(a, b), xy23 = shuffle<2, 3, 1, 2>(b, c);
+  x = shuffle<0, 3, 0, 2>(a, xy23);
+  y = shuffle<0, 2, 1, 3>(yz01, xy23);
+  z = shuffle<1, 3, 0, 3>(yz01, c);
+}
+HWY_INLINE void store3(Lanes x, Lanes y, Lanes z, float* p) {
+  const Lanes x02y02 = shuffle<0, 2, 0, 2>(x, y), y13z13 = shuffle<1, 3, 1, 3>(y, z),
+              z02x13 = shuffle<0, 2, 1, 3>(z, x);
+  storeBlocks(shuffle<0, 2, 0, 2>(x02y02, z02x13), p, 12);
+  storeBlocks(shuffle<0, 2, 1, 3>(y13z13, x02y02), p + 4, 12);
+  storeBlocks(shuffle<1, 3, 1, 3>(z02x13, y13z13), p + 8, 12);
+}
+#else
 HWY_INLINE void load3(const float* p, Lanes& x, Lanes& y, Lanes& z) {
   hn::LoadInterleaved3(D(), p, x, y, z);
 }
 HWY_INLINE void store3(Lanes x, Lanes y, Lanes z, float* p) {
   hn::StoreInterleaved3(x, y, z, D(), p);
 }
+#endif
 HWY_INLINE void load4(const float* p, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
-  hn::LoadInterleaved4(D(), p, x, y, z, w);
+  x = loadBlocks(p, 16), y = loadBlocks(p + 4, 16), z = loadBlocks(p + 8, 16), w = loadBlocks(p + 12, 16);
+  transpose(x, y, z, w);
 }
 HWY_INLINE void store4(Lanes x, Lanes y, Lanes z, Lanes w, float* p) {
-  hn::StoreInterleaved4(x, y, z, w, D(), p);
+  transpose(x, y, z, w);
+  storeBlocks(x, p, 16), storeBlocks(y, p + 4, 16), storeBlocks(z, p + 8, 16), storeBlocks(w, p + 12, 16);
 }
 
 #endif
