@@ -72,8 +72,8 @@ Matrices dualQuaternion(const DeformJob& job, const Group& group) {
 constexpr uint32_t kTeam = 4;
 
 HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_t count) {
-  Vectors normals[kTeam], tangents[kTeam];
-  Lanes signs[kTeam];
+  Vectors normals[kTeam] = {}, tangents[kTeam] = {};
+  Lanes signs[kTeam] = {};
   for (uint32_t g = 0; g < count; ++g) {
     const Group& group = groups[g];
     const Matrices a = job.skinning == Skinning::kLinear ? linear(job, group) : dualQuaternion(job, group);
