@@ -123,6 +123,98 @@ TEST(Respond, OneSidedIsTheWholeResponse) {
     }
 }
 
+// Any rig: more joints than 8 bits number, any number of influences, parts that are quantised differently.
+TEST(ClusterFrame, SameBitsWhateverTheRig) {
+  std::mt19937 random(5);
+  for (uint32_t joints : {3u, 300u})
+    for (uint32_t influences : {1u, 2u, 4u, 5u, 8u}) {
+      pipeline::SourceScene scene = bumpy(40);
+      scene.rig.palette.assign(2 * joints, {});
+      const pipeline::Primitive sheet = scene.primitives[0];
+      scene.primitives.push_back(sheet);
+      scene.parts.push_back(scene.parts[0]);
+      scene.parts[1].primitive = 1;
+      for (glm::vec3& p : scene.primitives[1].positions) p = 7.0f * p + glm::vec3(1.0f, 0.0f, 0.0f);
+      for (uint32_t i = 0; i < 2; ++i) {
+        scene.parts[i].skinned = true;
+        scene.parts[i].palette_begin = i * joints;
+        scene.parts[i].palette_count = joints;
+        pipeline::Primitive& primitive = scene.primitives[i];
+        primitive.influences = influences;
+        for (size_t k = 0; k < primitive.positions.size() * influences; ++k) {
+          primitive.joints.push_back(static_cast<uint16_t>(random() % joints));
+          primitive.weights.push_back(1.0f / static_cast<float>(influences));
+        }
+      }
+      const Asset asset =
+          tests::cookAsset(std::move(scene), tests::recipeOf({tests::axisLayer({1, 0.3, 0.1})}));
+      const AssetView& view = asset.view();
+      ASSERT_EQ(view.influences, influences);
+      Clusters clusters;
+      ASSERT_TRUE(clusters.build(view).ok());
+      EXPECT_EQ(clusters.wideJoints(), joints == 300);
+      const std::vector<Affine> palette = [&] {
+        std::vector<Affine> some(view.palette.size());
+        std::uniform_real_distribution<float> any(-0.2f, 0.2f);
+        for (Affine& matrix : some)
+          for (float& value : matrix.m) value += any(random);
+        return some;
+      }();
+      const std::vector<float> morph_weights = {0.4f};
+      std::vector<Float3> positions(view.vertexCount());
+      DeformJob{&view, palette, morph_weights, positions, {}, {}}.run(0, view.vertexCount());
+      std::vector<float> triangle_q(view.triangleCount()), q(view.pointCount());
+      std::vector<int16_t> weights(view.vertexCount() * view.weightStride());
+      CompressJob{&view, 0, positions, 1.0f, triangle_q}.run(0, view.triangleCount());
+      SmoothJob{&view, triangle_q, q}.run(0, view.pointCount());
+      RespondJob{&view, 0, view.layers[0].response, 0.0f, q, weights}.run(0, view.vertexCount());
+      for (Simd simd : available()) {
+        std::vector<Float3> posed(view.vertexCount());
+        std::vector<int16_t> clustered(weights.size());
+        std::vector<std::byte> scratch(clusters.scratchBytes());
+        ClusterFrameJob job;
+        job.clusters = &clusters;
+        job.palette = palette;
+        job.morph_weights = morph_weights;
+        job.positions = posed;
+        job.weights = clustered;
+        job.simd = simd;
+        ASSERT_TRUE(job.validate().ok());
+        job.run(0, clusters.count(), scratch);
+        EXPECT_EQ(clustered, weights) << joints << " " << influences << " " << simdName(simd);
+        EXPECT_EQ(std::memcmp(posed.data(), positions.data(), posed.size() * sizeof(Float3)), 0)
+            << joints << " " << influences << " " << simdName(simd);
+      }
+    }
+}
+
+TEST(ClusterFrame, SixteenLayersAndTheSmallestSurfaces) {
+  std::vector<pipeline::LayerRecipe> layers;
+  const std::string names = "abcdefghijklmnop";
+  for (uint32_t l = 0; l < kMaxLayers; ++l) {
+    const double angle = 0.3 * l;
+    layers.push_back(layerOf(names.substr(l, 1).c_str(),
+                             l % 5 == 3 ? Measure::kNone : static_cast<Measure>(l % 3),
+                             {std::cos(angle), std::sin(angle), 0.1}));
+  }
+  pipeline::Primitive one;
+  one.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  one.indices = {0, 1, 2};
+  pipeline::Primitive loose = tests::sheet(3);  // with points in no triangle
+  for (int i = 0; i < 9; ++i) loose.positions.push_back({0.1f * static_cast<float>(i), 3.0f, 1.0f});
+  loose.uvs.clear();
+  const auto squeeze = [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, 0.9 * p.y, p.z + 0.1 * p.x * p.x); };
+  for (const pipeline::SourceScene& scene :
+       {bumpy(40), tests::sceneOf(one, squeeze), tests::sceneOf(loose, squeeze)}) {
+    const Asset asset = tests::cookAsset(scene, tests::recipeOf(layers));
+    Clusters clusters;
+    ASSERT_TRUE(clusters.build(asset.view()).ok());
+    const Frame staged = tests::evaluate(asset.view(), {0.8f});
+    for (Simd simd : available())
+      EXPECT_EQ(clusteredWeights(clusters, simd, {}, 0.8f), staged.weights) << simdName(simd);
+  }
+}
+
 TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
   const Asset asset = tests::cookAsset(bumpy(40), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
   const AssetView& view = asset.view();

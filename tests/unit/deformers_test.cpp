@@ -293,4 +293,89 @@ TEST(Occlusion, IsCarriedAlongWithTheMorph) {
   EXPECT_FALSE((OcclusionJob{&cloud.view, weights, rest, deltas, out}).validate().ok());
 }
 
+// The expression order of skinning, written out: every instruction set must give these positions to the bit.
+Float3 skinned(const Cloud& cloud, const std::vector<Affine>& palette, size_t v, double* normal) {
+  float m[12] = {};
+  const uint32_t influences = cloud.view.influences;
+  for (uint32_t k = 0; k < influences; ++k) {
+    const float w = static_cast<float>(cloud.view.weights[v * influences + k]) * (1.0f / 65535.0f);
+    const Affine& joint = palette[cloud.view.joints[v * influences + k]];
+    for (int i = 0; i < 12; ++i) m[i] = m[i] + w * joint.m[i];
+  }
+  // The normal by the inverse transpose, in double.
+  const Float3 n = cloud.view.normals[v];
+  double cofactors[9], determinant = 0.0, length = 0.0;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+      cofactors[3 * r + c] =
+          double{m[4 * r1 + c1]} * m[4 * r2 + c2] - double{m[4 * r1 + c2]} * m[4 * r2 + c1];
+    }
+  for (int c = 0; c < 3; ++c) determinant += m[c] * cofactors[c];
+  for (int r = 0; r < 3; ++r) {
+    normal[r] =
+        (cofactors[3 * r] * n.x + cofactors[3 * r + 1] * n.y + cofactors[3 * r + 2] * n.z) / determinant;
+    length += normal[r] * normal[r];
+  }
+  for (int r = 0; r < 3; ++r) normal[r] /= std::sqrt(length);
+  const Float3 p = cloud.view.positions[v];
+  const auto row = [&](const float* a) { return ((a[0] * p.x + a[1] * p.y) + a[2] * p.z) + a[3]; };
+  return {row(m), row(m + 4), row(m + 8)};
+}
+
+TEST(Skinning, EveryInstructionSetGivesTheSameBitsForAnyRange) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> any(-1.5f, 1.5f);
+  for (uint32_t influences : {1u, 2u, 3u, 4u, 8u}) {
+    Cloud cloud(7);
+    for (int i = 0; i < 203; ++i) {
+      std::vector<std::pair<uint16_t, uint16_t>> joints;
+      uint32_t left = 65535;
+      for (uint32_t k = 0; k + 1 < influences; ++k) {
+        const uint32_t weight = random() % 5 == 0 ? 0 : static_cast<uint32_t>(random()) % (left / 2 + 1);
+        joints.push_back({static_cast<uint16_t>(random() % 7), static_cast<uint16_t>(weight)});
+        left -= weight;
+      }
+      joints.push_back({static_cast<uint16_t>(random() % 7), static_cast<uint16_t>(left)});
+      cloud.add({any(random), any(random), any(random)}, joints);
+    }
+    std::vector<Affine> palette(7);
+    for (Affine& matrix : palette)
+      for (float& value : matrix.m) value = any(random);
+    for (Skinning skinning : {Skinning::kLinear, Skinning::kDualQuaternion}) {
+      const Posed whole = pose(cloud, palette, skinning);
+      for (size_t v = 0; skinning == Skinning::kLinear && v < whole.positions.size(); ++v) {
+        double normal[3];
+        const Float3 expected = skinned(cloud, palette, v, normal);
+        ASSERT_EQ(std::memcmp(&expected, &whole.positions[v], sizeof expected), 0) << influences << " " << v;
+        expectNear(
+            whole.normals[v],
+            {static_cast<float>(normal[0]), static_cast<float>(normal[1]), static_cast<float>(normal[2])},
+            2e-4);
+      }
+      std::vector<JointMotion> motions(palette.size());
+      splitPalette(palette, motions);
+      const std::vector<float> weights(cloud.morphs.size(), 0.0f);
+      for (Simd simd : {Simd::kPortable, Simd::kSse4, Simd::kAvx2, Simd::kAvx512, Simd::kNeon}) {
+        if (!simdAvailable(simd)) continue;
+        Posed split = whole;
+        for (auto* floats : {&split.positions, &split.normals})
+          for (Float3& value : *floats) value = {7, 7, 7};
+        DeformJob job{&cloud.view,   palette,        weights,  split.positions,
+                      split.normals, split.tangents, skinning, motions};
+        job.simd = simd;
+        ASSERT_TRUE(job.validate().ok());
+        const uint32_t cuts[] = {0, 1, 17, 64, 64, 129, 203};
+        for (size_t i = 0; i + 1 < std::size(cuts); ++i) job.run(cuts[i], cuts[i + 1]);
+        const auto same = [&](const auto& a, const auto& b) {
+          return std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+        };
+        EXPECT_TRUE(same(split.positions, whole.positions)) << influences << " " << simdName(simd);
+        EXPECT_TRUE(same(split.normals, whole.normals)) << influences << " " << simdName(simd);
+        EXPECT_TRUE(same(split.tangents, whole.tangents)) << influences << " " << simdName(simd);
+      }
+    }
+  }
+}
+
 }  // namespace
