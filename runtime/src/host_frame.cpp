@@ -161,7 +161,7 @@ Status planResponse(const FurrowInstance& instance, const FurrowFrame& frame, Pl
   if (frame.laplace_steps > 0 && instance.point_q[0].empty())
     return missing("Laplacian steps", "FURROW_USE_LAPLACE");
   if (frame.laplace_steps > 1000) return invalid("frame.laplace_steps is above 1000");
-  if (frame.occlusion && (!frame.occlusion_rest || !frame.occlusion_deltas))
+  if (frame.occlusion && (!frame.occlusion_rest || (!frame.occlusion_deltas && !view.morphs.empty())))
     return invalid("frame.occlusion needs occlusion_rest and occlusion_deltas");
   const std::span<const float> scripted(plan.regions, layers);
   if (frame.ignore_drivers || !frame.morph_weights)

@@ -1,0 +1,21 @@
+# cmake -DTOOL= -DCONTENT= -DSCRATCH= -DGENERATOR= -DCOMPILER= -DLAUNCHER= -P thread_sanitizer.cmake: builds threads_test with ThreadSanitizer and runs it
+# on small assets.
+cmake_minimum_required(VERSION 3.24)
+
+function(run_well)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "status ${status}: ${ARGN}\n${out}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH})
+run_well(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/thread_sanitizer -B ${SCRATCH}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+         -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=)
+run_well(${CMAKE_COMMAND} --build ${SCRATCH}/build --target threads_test)
+file(WRITE ${SCRATCH}/recipe.json [[{"layers": [{"name": "a", "compress": "none", "direction": {"axis": [1, 0, 0]}}]}]])
+foreach(name face sleeve)
+  run_well(${TOOL} cook ${CONTENT}/${name}.glb --recipe ${SCRATCH}/recipe.json --geometry raw -o ${SCRATCH}/${name}.furrow)
+endforeach()
+run_well(${CMAKE_COMMAND} -E env TSAN_OPTIONS=halt_on_error=1 ${SCRATCH}/build/threads_test ${SCRATCH}/face.furrow ${SCRATCH}/sleeve.furrow)
+file(REMOVE_RECURSE ${SCRATCH})
