@@ -1,12 +1,13 @@
 // A frame of an instance: what the host handed in becomes jobs, which are all checked before the first one
 // runs.
 
+#include "host_frame.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "furrow/drivers.h"
-#include "host_instance.h"
 
 namespace furrow {
 namespace {
@@ -64,11 +65,7 @@ struct Pose {
 // Everything a frame needs, checked.
 struct Plan {
   Pose pose;
-  std::span<const float> morph_weights;
-  float scale = 1.0f;
-  Response responses[kMaxLayers];
-  float regions[kMaxLayers];
-  Ease eases[kMaxLayers];
+  FrameValues values;
   bool staged = false;
 };
 
@@ -122,53 +119,26 @@ Status planPalette(const FurrowInstance& instance, const FurrowFrame& frame, boo
 }
 
 Status planPose(FurrowInstance& instance, const FurrowFrame& frame, Plan& plan) {
-  const size_t morphs = instance.asset.view.morphs.size();
-  if (frame.morph_weights && frame.morph_count != morphs)
-    return Status::error(StatusCode::kInvalidArgument, "frame.morph_count is %u, the asset has %zu",
-                         frame.morph_count, morphs);
-  plan.morph_weights = instance.morph_weights;
-  if (frame.morph_weights) plan.morph_weights = {frame.morph_weights, morphs};
-  plan.scale = frame.scale == 0.0f ? 1.0f : frame.scale;
-  if (!(plan.scale > 0.0f) || !std::isfinite(plan.scale)) return invalid("frame.scale is not positive");
   if (frame.palette && frame.meshes) return invalid("frame has both palette and meshes");
   return frame.meshes ? planMeshes(instance, frame, plan.pose)
                       : planPalette(instance, frame, plan.staged, plan.pose);
 }
 
-Status planResponse(const FurrowInstance& instance, const FurrowFrame& frame, Plan& plan) {
-  const AssetView& view = instance.asset.view;
-  const uint32_t layers = view.layerCount();
-  for (uint32_t l = 0; l < layers; ++l) {
-    plan.responses[l] = view.layers[l].response;
-    if (frame.responses) {
-      const FurrowResponse& r = frame.responses[l];
-      if (r.curve > FURROW_CURVE_OAT) return invalid("a response's curve is unknown");
-      plan.responses[l] = {static_cast<Curve>(r.curve), r.lambda, r.beta, r.stretch_lambda, r.stretch_beta};
-      for (float value : {r.lambda, r.beta, r.stretch_lambda, r.stretch_beta})
-        if (!(value > 0.0f) || !std::isfinite(value))
-          return invalid("a response's lambda and beta must be positive");
-    }
-    plan.regions[l] = frame.region_weights ? frame.region_weights[l] : 0.0f;
-    if (!std::isfinite(plan.regions[l])) return invalid("a region weight is not finite");
-    plan.eases[l] = frame.eases ? Ease{frame.eases[l].attack, frame.eases[l].release} : Ease{};
-  }
+Status planStages(const FurrowInstance& instance, const FurrowFrame& frame) {
   if (frame.eases && instance.eased.empty()) return missing("attack and release", "FURROW_USE_EASE");
-  if (!(frame.seconds >= 0.0f) || !std::isfinite(frame.seconds)) return invalid("frame.seconds is negative");
-  if (!(frame.fade_out >= 0.0f) || !(frame.fade_out <= 1.0f))
-    return invalid("frame.fade_out is not between 0 and 1");
   if (!(frame.laplace_rate >= 0.0f) || !(frame.laplace_rate <= 1.0f))
     return invalid("frame.laplace_rate is not between 0 and 1");
   if (frame.laplace_steps > 0 && instance.point_q[0].empty())
     return missing("Laplacian steps", "FURROW_USE_LAPLACE");
   if (frame.laplace_steps > 1000) return invalid("frame.laplace_steps is above 1000");
-  if (frame.occlusion && (!frame.occlusion_rest || (!frame.occlusion_deltas && !view.morphs.empty())))
+  if (frame.occlusion &&
+      (!frame.occlusion_rest || (!frame.occlusion_deltas && !instance.asset.view.morphs.empty())))
     return invalid("frame.occlusion needs occlusion_rest and occlusion_deltas");
-  const std::span<const float> scripted(plan.regions, layers);
-  if (frame.ignore_drivers || !frame.morph_weights)
-    for (float& region : plan.regions) region = std::clamp(region, -1.0f, 1.0f);
-  else
-    driveRegions(view, plan.morph_weights, scripted, {plan.regions, layers});
   return {};
+}
+
+std::span<const float> morphWeights(const FurrowInstance& instance, const Plan& plan) {
+  return plan.values.morph_weights.empty() ? instance.morph_weights : plan.values.morph_weights;
 }
 
 // Brings the pose to FurrowInstance::positions, unless it is taken as it is.
@@ -181,7 +151,7 @@ bool runPose(FurrowInstance& instance, const FurrowFrame& frame, const Plan& pla
     DeformJob job;
     job.asset = &view;
     job.palette = pose.palette;
-    job.morph_weights = plan.morph_weights;
+    job.morph_weights = morphWeights(instance, plan);
     job.positions = instance.positions;
     job.normals = instance.normals;
     job.tangents = instance.tangents;
@@ -213,7 +183,7 @@ bool runClustered(FurrowInstance& instance, const Plan& plan) {
   job.clusters = &instance.asset.clusters;
   if (plan.pose.by_clusters) {
     job.palette = plan.pose.palette;
-    job.morph_weights = plan.morph_weights;
+    job.morph_weights = morphWeights(instance, plan);
     job.positions = instance.positions;
   } else if (plan.pose.direct) {
     job.posed = plan.pose.direct;
@@ -222,9 +192,9 @@ bool runClustered(FurrowInstance& instance, const Plan& plan) {
     job.posed = reinterpret_cast<const std::byte*>(instance.positions.data());
   }
   const uint32_t layers = instance.asset.view.layerCount();
-  job.scale = plan.scale;
-  job.responses = {plan.responses, layers};
-  job.region_weights = {plan.regions, layers};
+  job.scale = plan.values.scale;
+  job.responses = {plan.values.responses, layers};
+  job.region_weights = {plan.values.regions, layers};
   job.weights = instance.weights;
   job.simd = context.simd;
   return parallel(
@@ -241,14 +211,16 @@ bool runStaged(FurrowInstance& instance, const FurrowFrame& frame, const Plan& p
     sound = parallelJob(context, job, count) && sound;
   };
   for (uint32_t l = 0; l < view.layerCount(); ++l) {
-    run(CompressJob{&view, l, instance.positions, plan.scale, instance.triangle_q}, view.triangleCount());
+    run(CompressJob{&view, l, instance.positions, plan.values.scale, instance.triangle_q},
+        view.triangleCount());
     run(SmoothJob{&view, instance.triangle_q, instance.point_q[0]}, view.pointCount());
     size_t from = 0;
     for (uint32_t step = 0; step < frame.laplace_steps; ++step, from = 1 - from)
       run(LaplaceJob{&view, instance.triangle_q, instance.point_q[from],
                      frame.laplace_rate == 0.0f ? 0.5f : frame.laplace_rate, instance.point_q[1 - from]},
           view.pointCount());
-    run(RespondJob{&view, l, plan.responses[l], plan.regions[l], instance.point_q[from], instance.weights},
+    run(RespondJob{&view, l, plan.values.responses[l], plan.values.regions[l], instance.point_q[from],
+                   instance.weights},
         view.vertexCount());
   }
   return sound;
@@ -258,7 +230,7 @@ bool runEase(FurrowInstance& instance, const FurrowFrame& frame, const Plan& pla
   if (instance.eased.empty() && frame.fade_out == 0.0f) return true;
   EaseJob job;
   job.asset = &instance.asset.view;
-  if (!instance.eased.empty()) job.eases = {plan.eases, instance.asset.view.layerCount()};
+  if (!instance.eased.empty()) job.eases = {plan.values.eases, instance.asset.view.layerCount()};
   job.seconds = instance.pending_seconds;
   job.reset = frame.reset || instance.fresh;
   job.fade = 1.0f - frame.fade_out;
@@ -275,7 +247,7 @@ bool runOcclusion(FurrowInstance& instance, const FurrowFrame& frame, const Plan
     instance.occlusion_deltas[m] = {deltas, deltas ? view.morphs[m].vertices.size() : 0};
   }
   const OcclusionJob job{&view,
-                         plan.morph_weights,
+                         morphWeights(instance, plan),
                          {frame.occlusion_rest, view.vertexCount()},
                          instance.occlusion_deltas,
                          {frame.occlusion, view.vertexCount()}};
@@ -289,6 +261,40 @@ Status soundness(bool sound) {
 
 }  // namespace
 
+Status readValues(const AssetView& view, const FurrowFrame& frame, FrameValues& out) {
+  const size_t morphs = view.morphs.size();
+  if (frame.morph_weights && frame.morph_count != morphs)
+    return Status::error(StatusCode::kInvalidArgument, "frame.morph_count is %u, the asset has %zu",
+                         frame.morph_count, morphs);
+  if (frame.morph_weights) out.morph_weights = {frame.morph_weights, morphs};
+  out.scale = frame.scale == 0.0f ? 1.0f : frame.scale;
+  if (!(out.scale > 0.0f) || !std::isfinite(out.scale)) return invalid("frame.scale is not positive");
+  const uint32_t layers = view.layerCount();
+  for (uint32_t l = 0; l < layers; ++l) {
+    out.responses[l] = view.layers[l].response;
+    if (frame.responses) {
+      const FurrowResponse& r = frame.responses[l];
+      if (r.curve > FURROW_CURVE_OAT) return invalid("a response's curve is unknown");
+      out.responses[l] = {static_cast<Curve>(r.curve), r.lambda, r.beta, r.stretch_lambda, r.stretch_beta};
+      for (float value : {r.lambda, r.beta, r.stretch_lambda, r.stretch_beta})
+        if (!(value > 0.0f) || !std::isfinite(value))
+          return invalid("a response's lambda and beta must be positive");
+    }
+    out.regions[l] = frame.region_weights ? frame.region_weights[l] : 0.0f;
+    if (!std::isfinite(out.regions[l])) return invalid("a region weight is not finite");
+    out.eases[l] = frame.eases ? Ease{frame.eases[l].attack, frame.eases[l].release} : Ease{};
+  }
+  if (!(frame.seconds >= 0.0f) || !std::isfinite(frame.seconds)) return invalid("frame.seconds is negative");
+  if (!(frame.fade_out >= 0.0f) || !(frame.fade_out <= 1.0f))
+    return invalid("frame.fade_out is not between 0 and 1");
+  const std::span regions(out.regions, layers);
+  if (frame.ignore_drivers || !frame.morph_weights)
+    for (float& region : regions) region = std::clamp(region, -1.0f, 1.0f);
+  else
+    driveRegions(view, out.morph_weights, regions, regions);
+  return {};
+}
+
 Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameReport& report) {
   const uint64_t call = instance.calls + frame.phase;
   const bool due = frame.every < 2 || call % frame.every == 0 || frame.reset || instance.fresh;
@@ -301,8 +307,9 @@ Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameR
   }
   Plan plan;
   plan.staged = instance.recaptured || frame.laplace_steps > 0 || !instance.asset.clusters.asset;
+  if (Status s = readValues(instance.asset.view, frame, plan.values); !s.ok()) return s;
   if (Status s = planPose(instance, frame, plan); !s.ok()) return s;
-  if (Status s = planResponse(instance, frame, plan); !s.ok()) return s;
+  if (Status s = planStages(instance, frame); !s.ok()) return s;
   if (plan.staged && plan.pose.direct) return missing("a staged frame", "FURROW_KEEP_POSITIONS");
 
   report.computed = 1;
@@ -328,12 +335,14 @@ Status recapture(FurrowInstance& instance, const FurrowFrame& frame) {
   const AssetView& view = instance.asset.view;
   Plan plan;
   plan.staged = true;
+  if (Status s = readValues(view, frame, plan.values); !s.ok()) return s;
   if (Status s = planPose(instance, frame, plan); !s.ok()) return s;
   bool sound = runPose(instance, frame, plan);
   size_t first = 0;
   for (uint32_t l = 0; l < view.layerCount(); ++l) {
     const std::span<float> own = instance.coefficients.subspan(first, view.layers[l].coefficients.size());
-    sound = parallelJob(instance.asset.context, RecaptureJob{&view, l, instance.positions, plan.scale, own},
+    sound = parallelJob(instance.asset.context,
+                        RecaptureJob{&view, l, instance.positions, plan.values.scale, own},
                         view.triangleCount()) &&
             sound;
     instance.own_layers[l] = view.layers[l];

@@ -1,7 +1,7 @@
-#include "host_instance.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "host_frame.h"
 
 using namespace furrow;
 

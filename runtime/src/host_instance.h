@@ -42,7 +42,4 @@ namespace furrow {
 // Lays an instance out at `memory`, which may be null; the bytes it needs.
 size_t layOut(FurrowAsset& asset, uint32_t features, std::byte* memory, FurrowInstance** instance);
 
-Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameReport& report);
-Status recapture(FurrowInstance& instance, const FurrowFrame& frame);
-
 }  // namespace furrow

@@ -979,6 +979,136 @@ static void testJobs(Host* host, FurrowContext* context, File file) {
   free(palette);
 }
 
+/* Every form of the frame as a plan that can be recorded. */
+static void testPlan(FurrowContext* context, File file) {
+  FurrowStatus status;
+  FurrowAsset* asset = loadAsset(context, file, 0, 0);
+  FurrowAssetInfo info = {.size = sizeof info};
+  FurrowFrame frame;
+  FurrowPlan* plan = NULL;
+  float *palette, *weights;
+  uint32_t form, i, b;
+
+  CHECK_OK(furrow_asset_info(asset, &info, &status));
+  palette = makePalette(info.palette, 0.7f);
+  weights = calloc(info.morphs + 1, sizeof(float));
+  weights[0] = 0.5f;
+  frame = paletteFrame(palette, &info);
+  frame.morph_weights = weights, frame.morph_count = info.morphs;
+  for (form = FURROW_FORM_CLUSTERED; form <= FURROW_FORM_RASTER; ++form) {
+    FurrowPlanDesc desc = {.size = sizeof desc};
+    FurrowPlanInfo about = {.size = sizeof about};
+    uint64_t instance_bytes = 0, asset_bytes = 0;
+    int dispatches = 0, draws = 0, barriers = 0, weights_found = 0;
+    desc.form = form, desc.normals = 1;
+    if (form == FURROW_FORM_CLUSTERED) desc.instances = 10, desc.ease = 1;
+    CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+    CHECK_OK(furrow_plan_info(plan, &about, &status));
+    CHECK(about.form == form && about.instances == (form == FURROW_FORM_CLUSTERED ? 10u : 1u));
+    CHECK((about.sums_slices > 0) == (form == FURROW_FORM_RASTER));
+    for (i = 0; i < about.buffers; ++i) {
+      FurrowBufferInfo buffer = {.size = sizeof buffer};
+      unsigned char* out;
+      CHECK_OK(furrow_plan_buffer(plan, i, &buffer, &status));
+      if (buffer.bytes == 0) continue;
+      CHECK(buffer.name[0] != 0 && buffer.bytes % 4 == 0);
+      CHECK(!buffer.per_instance || buffer.bytes == about.instances * buffer.instance_bytes);
+      CHECK(!buffer.initial || !buffer.per_instance || buffer.role == FURROW_BUFFER_INSTANCES);
+      if (buffer.per_instance)
+        instance_bytes += buffer.instance_bytes;
+      else
+        asset_bytes += buffer.bytes;
+      if (buffer.role == FURROW_BUFFER_WEIGHTS) {
+        CHECK(buffer.instance_bytes == 2u * info.vertices * info.weight_stride);
+        weights_found = 1;
+      }
+      if (buffer.role < FURROW_BUFFER_FRAME || buffer.role > FURROW_BUFFER_MORPH_WEIGHTS) continue;
+      out = malloc(buffer.instance_bytes + 4);
+      memset(out, 0xcd, buffer.instance_bytes + 4);
+      CHECK_OK(furrow_plan_write(plan, buffer.role, &frame, out, buffer.instance_bytes, &status));
+      CHECK(out[buffer.instance_bytes] == 0xcd);
+      if (buffer.role == FURROW_BUFFER_PALETTE) CHECK(memcmp(out, palette, 48 * (size_t)info.palette) == 0);
+      if (buffer.role == FURROW_BUFFER_MORPH_WEIGHTS)
+        CHECK(((float*)(void*)out)[0] != 0.0f && ((float*)(void*)out)[2] == 0.0f);
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                    furrow_plan_write(plan, buffer.role, &frame, out, buffer.instance_bytes - 1, &status));
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                    furrow_plan_write(plan, buffer.role, &frame, NULL, buffer.instance_bytes, &status));
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                    furrow_plan_write(plan, buffer.role, NULL, out, buffer.instance_bytes, &status));
+      free(out);
+    }
+    CHECK(weights_found && instance_bytes == about.instance_bytes && asset_bytes == about.asset_bytes);
+    for (i = 0; i < about.items; ++i) {
+      FurrowItemInfo item = {.size = sizeof item};
+      CHECK_OK(furrow_plan_item(plan, i, &item, &status));
+      dispatches += item.kind == FURROW_ITEM_DISPATCH, draws += item.kind == FURROW_ITEM_DRAW;
+      barriers += item.kind == FURROW_ITEM_BARRIER;
+      if (item.kind == FURROW_ITEM_DISPATCH || item.kind == FURROW_ITEM_DRAW) {
+        FurrowShaderSource source = {.size = sizeof source};
+        CHECK(item.label[0] != 0 && item.bindings > 0);
+        CHECK_OK(furrow_shader_source(item.shader, &source, &status));
+        if (item.kind == FURROW_ITEM_DISPATCH)
+          CHECK(strstr(source.compute, "#version 430") && item.groups[0] > 0 && item.groups[1] > 0 &&
+                source.hlsl && source.spirv_bytes % 4 == 0 &&
+                (source.spirv_bytes == 0 || source.spirv[0] == 0x07230203));
+        else
+          CHECK(strstr(source.vertex, "#version 330") && item.count > 0);
+      }
+      for (b = 0; b < item.bindings; ++b) {
+        FurrowBindingInfo binding = {.size = sizeof binding};
+        FurrowBufferInfo buffer = {.size = sizeof buffer};
+        CHECK_OK(furrow_plan_binding(plan, i, b, &binding, &status));
+        CHECK(binding.access <= FURROW_ACCESS_CAPTURE &&
+              (binding.buffer < about.buffers) == (binding.access != FURROW_ACCESS_SUMS));
+        if (binding.access != FURROW_ACCESS_SUMS)
+          CHECK_OK(furrow_plan_buffer(plan, binding.buffer, &buffer, &status));
+      }
+      {
+        FurrowBindingInfo binding = {.size = sizeof binding};
+        CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                      furrow_plan_binding(plan, i, item.bindings, &binding, &status));
+      }
+    }
+    CHECK(form == FURROW_FORM_RASTER ? draws > 0 && dispatches == 0
+                                     : draws == 0 && dispatches == (form == FURROW_FORM_STAGED ? 4 : 1));
+    CHECK(barriers > 0);
+    {
+      FurrowItemInfo item = {.size = sizeof item};
+      FurrowBufferInfo buffer = {.size = sizeof buffer};
+      char frame_bytes[4096];
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_item(plan, about.items, &item, &status));
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_buffer(plan, about.buffers, &buffer, &status));
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_write(plan, FURROW_BUFFER_WEIGHTS, &frame,
+                                                               frame_bytes, sizeof frame_bytes, &status));
+      frame.scale = -1.0f;
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                    furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, weights, 1 << 20, &status));
+      frame.scale = 0.0f, frame.laplace_steps = 1;
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                    furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, weights, 1 << 20, &status));
+      frame.laplace_steps = 0;
+    }
+    furrow_plan_release(plan);
+  }
+  {
+    FurrowPlanDesc desc = {.size = sizeof desc};
+    FurrowPlanInfo about = {.size = sizeof about};
+    FurrowShaderSource source = {.size = sizeof source};
+    desc.form = 3;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
+    CHECK(plan == NULL);
+    desc.form = 0, desc.instances = 1u << 20;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, NULL, &plan, &status));
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_info(NULL, &about, &status));
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_shader_source(1000, &source, &status));
+  }
+  furrow_plan_release(NULL);
+  free(palette), free(weights);
+  furrow_asset_release(asset);
+}
+
 int main(int argc, char** argv) {
   FurrowStatus status;
   Host host = {0, 0, -1, 0, 0, 0, 0};
@@ -997,6 +1127,7 @@ int main(int argc, char** argv) {
   testBinding(context, &host, sleeve);
   testMemoryAndReload(context, &host, face, sleeve);
   testJobs(&host, context, sleeve);
+  testPlan(context, face);
   CHECK(furrow_instance_weights(NULL) == NULL && furrow_instance_asset(NULL) == NULL);
   CHECK(furrow_instance_positions(NULL) == NULL && furrow_instance_normals(NULL) == NULL &&
         furrow_instance_tangents(NULL) == NULL);

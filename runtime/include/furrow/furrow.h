@@ -24,8 +24,8 @@
 // Memory: contexts, assets, bindings, instances and plans, and all they hold, come from the context's
 // allocator. What does not is given back before the call returns: working memory of furrow_asset_create()
 // (decoding, Draco among it; about the asset's size once more) and of furrow_binding_create() with a
-// tolerance, both by C++'s operator new. furrow_instance_frame() allocates nothing, takes no lock and makes
-// no system call.
+// tolerance, both by C++'s operator new; and what plans hold for furrow_plan_buffer(), by the same.
+// furrow_instance_frame() allocates nothing, takes no lock and makes no system call.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -451,6 +451,127 @@ typedef struct FurrowReadDesc {
 } FurrowReadDesc;
 FURROW_API int32_t furrow_instance_read(const FurrowInstance* instance, const FurrowReadDesc* desc,
                                         FurrowStatus* status);
+
+// ---- Frame plans: the frame on a GPU, recorded in the engine's own graphics API ----
+
+// What buffers to make, what to bind and what to run; furrow/frame_plan.h says more, docs/integration.md
+// walks through it. A plan does not change; any number of threads may read it. It does not do Laplacian steps
+// and knows no recaptured rest.
+typedef struct FurrowPlan FurrowPlan;
+
+enum {
+  FURROW_FORM_CLUSTERED = 0,  // compute, the fast path; for assets without clusters, the next one
+  FURROW_FORM_STAGED = 1,     // compute, a dispatch a stage
+  FURROW_FORM_RASTER = 2      // OpenGL 3.3, without compute
+};
+
+typedef struct FurrowPlanDesc {
+  size_t size;
+  uint32_t form;
+  int32_t posed_by_host;  // the host fills FURROW_BUFFER_POSITIONS, the plan poses nothing
+  int32_t normals;        // pose normals and tangents too
+  uint32_t skinning;
+  int32_t ease;        // attack and release of weights; not in the raster form
+  uint32_t instances;  // 0: 1; more in the clustered form alone
+} FurrowPlanDesc;
+
+FURROW_API int32_t furrow_plan_create(FurrowAsset* asset, const FurrowPlanDesc* desc, FurrowPlan** plan,
+                                      FurrowStatus* status);
+FURROW_API void furrow_plan_release(FurrowPlan* plan);
+
+typedef struct FurrowPlanInfo {
+  size_t size;
+  uint32_t form;       // as it came out
+  uint32_t instances;  // likewise
+  uint32_t buffers, items, shaders;
+  uint32_t sums_width, sums_height, sums_slices;  // raster form: an array texture of RGBA32F; else 0
+  uint64_t asset_bytes;                           // GPU memory of the plan's buffers, once an asset
+  uint64_t instance_bytes;                        // for each instance
+} FurrowPlanInfo;
+FURROW_API int32_t furrow_plan_info(const FurrowPlan* plan, FurrowPlanInfo* info, FurrowStatus* status);
+
+// What a host does with a buffer.
+enum {
+  FURROW_BUFFER_INTERNAL = 0,  // nothing but to make and bind it
+  // written by furrow_plan_write(), every frame
+  FURROW_BUFFER_FRAME = 1,
+  FURROW_BUFFER_PALETTE = 2,
+  FURROW_BUFFER_MORPH_WEIGHTS = 3,
+  FURROW_BUFFER_INSTANCES = 4,  // the instances to run, a word each; at first all
+  // to be read, or drawn with; `posed_by_host`: the first one is the host's
+  FURROW_BUFFER_POSITIONS = 5,  // 3 floats a vertex
+  FURROW_BUFFER_NORMALS = 6,    // 3 floats a vertex
+  FURROW_BUFFER_TANGENTS = 7,   // 4 floats a vertex
+  FURROW_BUFFER_WEIGHTS = 8     // snorm16, FurrowAssetInfo.weight_stride a vertex
+};
+
+typedef struct FurrowBufferInfo {
+  size_t size;
+  const char* name;
+  uint32_t role;
+  int32_t per_instance;     // `instances` parts of one size, one behind the other; else one an asset
+  uint64_t bytes;           // 0: this plan does not use it
+  uint64_t instance_bytes;  // of one instance, where per_instance
+  const void* initial;      // `bytes` to fill it with once; NULL: none
+} FurrowBufferInfo;
+FURROW_API int32_t furrow_plan_buffer(const FurrowPlan* plan, uint32_t buffer, FurrowBufferInfo* info,
+                                      FurrowStatus* status);
+
+enum { FURROW_ITEM_DISPATCH = 0, FURROW_ITEM_DRAW = 1, FURROW_ITEM_CLEAR = 2, FURROW_ITEM_BARRIER = 3 };
+
+// furrow/frame_plan.h says what each kind asks for.
+typedef struct FurrowItemInfo {
+  size_t size;
+  uint32_t kind;
+  const char* label;  // for the debugger
+  uint32_t shader;    // for furrow_shader_source(); FURROW_NONE
+  uint32_t groups[2];
+  uint32_t first, count, slice;
+  uint32_t bindings;
+  uint32_t captured_count;
+  const char* const* captured;
+} FurrowItemInfo;
+FURROW_API int32_t furrow_plan_item(const FurrowPlan* plan, uint32_t item, FurrowItemInfo* info,
+                                    FurrowStatus* status);
+
+// How an item sees a buffer.
+enum {
+  FURROW_ACCESS_UNIFORM = 0,  // std140 uniform buffer, at `slot` of these
+  FURROW_ACCESS_STORAGE = 1,  // storage buffer, at `slot` of these
+  FURROW_ACCESS_FLOATS = 2,   // buffer texture of R32F, at texture unit `slot`
+  FURROW_ACCESS_WORDS = 3,    // buffer texture of R32UI, at texture unit `slot`
+  FURROW_ACCESS_SUMS = 4,     // not a buffer: the sums, at texture unit `slot`
+  FURROW_ACCESS_INDICES = 5,  // index buffer of 32 bits
+  FURROW_ACCESS_CAPTURE = 6   // transform feedback buffer `slot`
+};
+
+typedef struct FurrowBindingInfo {
+  size_t size;
+  uint32_t slot;
+  uint32_t buffer;  // FURROW_NONE for FURROW_ACCESS_SUMS
+  uint32_t access;
+  const char* name;  // in the shader; NULL for indices and captures
+} FurrowBindingInfo;
+FURROW_API int32_t furrow_plan_binding(const FurrowPlan* plan, uint32_t item, uint32_t binding,
+                                       FurrowBindingInfo* info, FurrowStatus* status);
+
+// Complete sources; NULL: no such stage. SPIR-V is for Vulkan 1.0, entry point main: storage buffers in set
+// 0, uniform buffers in set 1, bound to the slots; 0 bytes where furrow was built without its compiler.
+typedef struct FurrowShaderSource {
+  size_t size;
+  const char *compute, *vertex, *geometry, *fragment;  // GLSL
+  const char* hlsl;                                    // compute, entry point main
+  const uint32_t* spirv;                               // compute
+  size_t spirv_bytes;
+} FurrowShaderSource;
+FURROW_API int32_t furrow_shader_source(uint32_t shader, FurrowShaderSource* source, FurrowStatus* status);
+
+// What a FURROW_BUFFER_FRAME, _PALETTE or _MORPH_WEIGHTS buffer takes for one frame of one instance; `out`
+// has room for its instance_bytes, is aligned to 4, and may be mapped memory: it is written once, in order.
+// Of `frame`, what the buffer holds is read: everything but palette, skinning and morph weights (but for the
+// drivers); the palette; the morph weights. Neither allocates nor waits.
+FURROW_API int32_t furrow_plan_write(const FurrowPlan* plan, uint32_t role, const FurrowFrame* frame,
+                                     void* out, size_t bytes, FurrowStatus* status);
 
 #ifdef __cplusplus
 }
