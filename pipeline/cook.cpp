@@ -247,11 +247,51 @@ class Cook {
     return normals;
   }
 
+  // Vertices of one point get one position, on the coarsest lattice of their parts, which the others contain:
+  // no crack opens between materials, and none where an exporter has jittered a seam. Left alone are points
+  // of several spaces, and primitives that several nodes show.
+  void closeCracks(std::span<const glm::dmat4> bind, std::span<const float> steps) {
+    struct Joint {
+      uint32_t part = kNoIndex;
+      glm::vec3 position{0.0f};
+      float step = 0.0f;
+      bool open = false;
+    };
+    std::vector<Joint> joints(weld_.points);
+    std::vector<uint32_t> uses(scene_.primitives.size(), 0);
+    for (const Part& part : scene_.parts) ++uses[part.primitive];
+    const auto eachVertex = [&](const auto& visit) {
+      uint32_t vertex = 0;
+      for (uint32_t p = 0; p < scene_.parts.size(); ++p) {
+        Primitive& primitive = scene_.primitives[scene_.parts[p].primitive];
+        for (glm::vec3& position : primitive.positions)
+          visit(p, position, joints[weld_.vertex_point[vertex++]]);
+      }
+    };
+    eachVertex([&](uint32_t p, const glm::vec3& position, Joint& joint) {
+      if (joint.part == kNoIndex) joint = {p, position, steps[p], false};
+      if (bind[p] != bind[joint.part]) return;
+      joint.open = joint.open || p != joint.part || position != joint.position;
+      joint.step = std::max(joint.step, steps[p]);
+    });
+    eachVertex([&](uint32_t p, glm::vec3& position, const Joint& joint) {
+      if (joint.open && joint.step > 0.0f && uses[scene_.parts[p].primitive] == 1 &&
+          bind[p] == bind[joint.part])
+        position = glm::round(joint.position / joint.step) * joint.step;
+    });
+  }
+
   // Packs every part, then replaces the scene's positions by what the runtime will decode, so that all that
   // follows is baked from that.
   void packParts() {
     uint32_t first_vertex = 0;
     const std::vector<glm::dmat4> bind = bindMatrices(scene_);
+    std::vector<float> steps;
+    for (const Part& part : scene_.parts) {
+      const Primitive& primitive = scene_.primitives[part.primitive];
+      steps.push_back(positionStep(primitive.positions, primitive.indices));
+    }
+    closeCracks(bind, steps);
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
@@ -261,7 +301,7 @@ class Cook {
           primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
                                      : primitive.tangents;
       PackedPart packed = packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1,
-                                       options_.geometry, geometry_.emplace_back());
+                                       steps[parts_.size()], options_.geometry, geometry_.emplace_back());
       packed.mesh = part.mesh;
       if (part.material < scene_.materials.size()) {
         packed.material = scene_.materials[part.material].name;

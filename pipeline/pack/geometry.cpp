@@ -5,8 +5,10 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -18,12 +20,15 @@ namespace {
 
 constexpr uint32_t kNormalBits = 10;
 constexpr uint32_t kTangentBits = 11;
-constexpr uint32_t kLeastPositionBits = 16, kMostPositionBits = 24;  // a float holds 24
+constexpr uint32_t kLeastPositionBits = 16, kPositionBits = 24;  // a float holds 24
 constexpr int kDracoSpeed = 4;
 
+// Integers of at most `bits` bits on the lattice of `step`; 0: as fine as they allow. A step that is given is
+// a power of two, and the offset a multiple of it.
 template <typename Vector>
-PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& values, uint32_t bits) {
-  PackedAttribute attribute{semantic, static_cast<uint32_t>(Vector::length()), bits, {}, 0.0f, {}};
+PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& values, uint32_t bits,
+                         float step = 0.0f) {
+  PackedAttribute attribute{semantic, static_cast<uint32_t>(Vector::length()), bits, {}, step, {}};
   Vector lowest = values.front(), highest = values.front();
   for (const Vector& v : values) {
     lowest = glm::min(lowest, v);
@@ -31,33 +36,20 @@ PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& v
   }
   double range = 0.0;
   for (int c = 0; c < Vector::length(); ++c) {
-    attribute.offset.push_back(lowest[c]);
+    attribute.offset.push_back(step > 0.0f ? std::floor(lowest[c] / step) * step : lowest[c]);
     range = std::max(range, double{highest[c]} - double{lowest[c]});
   }
   attribute.values.reserve(values.size() * Vector::length());
   const uint32_t most = (1u << bits) - 1;
-  attribute.step = static_cast<float>(range / most);
+  if (step == 0.0f) attribute.step = static_cast<float>(range / most);
   for (const Vector& v : values)
-    for (int c = 0; c < Vector::length(); ++c)
+    for (size_t c = 0; c < attribute.components; ++c)
       attribute.values.push_back(
-          attribute.step > 0.0f
-              ? std::min(most, static_cast<uint32_t>(
-                                   std::lround((double{v[c]} - double{lowest[c]}) / double{attribute.step})))
-              : 0u);
+          attribute.step > 0.0f ? std::min(most, static_cast<uint32_t>(std::lround(
+                                                     (double{v[static_cast<int>(c)]} - attribute.offset[c]) /
+                                                     double{attribute.step})))
+                                : 0u);
   return attribute;
-}
-
-uint32_t positionBits(const Primitive& primitive) {
-  glm::vec3 lowest = primitive.positions.front(), highest = lowest;
-  for (const glm::vec3& p : primitive.positions) {
-    lowest = glm::min(lowest, p);
-    highest = glm::max(highest, p);
-  }
-  const glm::vec3 size = highest - lowest;
-  const double step = shortEdge(primitive.positions, primitive.indices) / 64.0;
-  if (!(step > 0.0)) return kLeastPositionBits;
-  const double bits = std::ceil(std::log2(std::max({size.x, size.y, size.z}) / step + 1.0));
-  return static_cast<uint32_t>(std::clamp(bits, double{kLeastPositionBits}, double{kMostPositionBits}));
 }
 
 void packSkin(const Primitive& primitive, PackedPart& part) {
@@ -135,13 +127,15 @@ Status decodePacked(const PackedPart& part, uint32_t influences, PartGeometry& o
 }
 
 PackedPart quantized(const Primitive& primitive, std::span<const glm::vec3> normals,
-                     std::span<const glm::vec4> tangents, uint32_t palette_count) {
+                     std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step) {
   PackedPart part;
   part.palette_count = palette_count;
   part.vertices = static_cast<uint32_t>(primitive.positions.size());
   part.triangles = static_cast<uint32_t>(primitive.indices.size() / 3);
   part.attributes.push_back(
-      quantize(format::Semantic::Position, primitive.positions, positionBits(primitive)));
+      quantize(format::Semantic::Position, primitive.positions, kPositionBits, position_step));
+  PackedAttribute& position = part.attributes.back();
+  position.bits = std::bit_width(*std::max_element(position.values.begin(), position.values.end()) | 1u);
   if (!primitive.uvs.empty()) part.attributes.push_back(quantize(format::Semantic::Uv, primitive.uvs, 16));
 
   PackedAttribute normal{format::Semantic::Normal, 2, kNormalBits, {}, 1.0f, {}};
@@ -169,16 +163,16 @@ PackedPart quantized(const Primitive& primitive, std::span<const glm::vec3> norm
 }  // namespace
 
 PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
-                        std::span<const glm::vec4> tangents, uint32_t palette_count, GeometryCodec codec,
-                        PartGeometry& decoded) {
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step,
+                        GeometryCodec codec, PartGeometry& decoded) {
   if (codec == GeometryCodec::kDraco)
     for (const int method : {draco::MESH_EDGEBREAKER_ENCODING, draco::MESH_SEQUENTIAL_ENCODING}) {
-      PackedPart part = quantized(primitive, normals, tangents, palette_count);
+      PackedPart part = quantized(primitive, normals, tangents, palette_count, position_step);
       if (encodeDraco(part, primitive.indices, method) &&
           decodePacked(part, influencesOf(part), decoded).ok())
         return part;
     }
-  PackedPart part = quantized(primitive, normals, tangents, palette_count);
+  PackedPart part = quantized(primitive, normals, tangents, palette_count, position_step);
   part.indices = primitive.indices;
   if (const Status status = decodePacked(part, influencesOf(part), decoded); !status.ok())
     throw std::runtime_error(status.message);
@@ -215,6 +209,24 @@ double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t>
   if (lengths.empty()) return 0.0;
   std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 20, lengths.end());
   return lengths[lengths.size() / 20];
+}
+
+float positionStep(std::span<const glm::vec3> positions, std::span<const uint32_t> indices) {
+  double largest = 0.0, range = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const auto [low, high] =
+        std::minmax_element(positions.begin(), positions.end(),
+                            [c](const glm::vec3& a, const glm::vec3& b) { return a[c] < b[c]; });
+    range = std::max(range, double{(*high)[c]} - double{(*low)[c]});
+    largest = std::max({largest, std::abs(double{(*low)[c]}), std::abs(double{(*high)[c]})});
+  }
+  // So that offset, integer and their sum are floats to the bit.
+  const double least = largest * std::exp2(2.0 - kPositionBits);
+  double wanted = range / ((1u << kLeastPositionBits) - 1);
+  if (const double edge = shortEdge(positions, indices); edge > 0.0) wanted = std::min(wanted, edge / 64.0);
+  if (!(std::max(wanted, least) >= double{std::numeric_limits<float>::min()})) return 0.0f;
+  return static_cast<float>(wanted > least ? std::exp2(std::floor(std::log2(wanted)))
+                                           : std::exp2(std::ceil(std::log2(least))));
 }
 
 std::vector<float> affineRows(const glm::dmat4& matrix) {

@@ -42,13 +42,18 @@ struct PackedPart {
   bool has_normals = false, has_uvs = false;
 };
 
-// Quantises a primitive: positions in steps of at most 1/64 of the short edges and at least 16 bits, normals
+// Of the lattice that positions are put on: a power of two, at most 1/64 of the short edges and 1/65535 of
+// the extent, as far as a float's 24 bits allow; every lattice contains the coarser ones. 0 for a single
+// place at the origin.
+float positionStep(std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
+
+// Quantises a primitive: positions in steps of `position_step`, see above, normals
 // and tangents (unit) to 10 bits, UVs and weights to 16. With Draco the vertices get a new order and faces
 // without area are dropped; a mesh that would lose vertices that way is encoded in its own order. `decoded`
 // is what the runtime will make of it, with influencesOf(part) joints a vertex.
 PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
-                        std::span<const glm::vec4> tangents, uint32_t palette_count, GeometryCodec codec,
-                        PartGeometry& decoded);
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step,
+                        GeometryCodec codec, PartGeometry& decoded);
 
 flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& builder, const PackedPart& part);
 

@@ -516,5 +516,34 @@ TEST(ResponseFit, ThePercentileIsOfTheMaskedArea) {
   EXPECT_EQ(pipeline::percentile95(surface, std::vector<bool>(100), strength, alpha), 1.0);
 }
 
+// Two materials of one mesh meet, one finely cut and one coarsely: a vertex of either side lies where the
+// other's does, to the bit, so that nothing shows through between them.
+TEST(KnownAnswers, NoCrackBetweenTheMaterialsOfAMesh) {
+  for (const pipeline::GeometryCodec codec :
+       {pipeline::GeometryCodec::kDraco, pipeline::GeometryCodec::kRaw}) {
+    Primitive fine = sheet(24), coarse = sheet(24);
+    for (glm::vec3& p : fine.positions) p = {0.37f * p.x - 0.21f, 0.61f * p.y + 0.013f, 0.1f * p.x * p.y};
+    for (glm::vec3& p : coarse.positions)
+      p = {0.37f * 1.0f - 0.21f + 9.0f * p.x, 0.61f * p.y + 0.013f, 0.1f * p.y + 3.0f * p.x};
+    // Where an exporter has jittered the border by rounding, too.
+    coarse.positions[0].y = std::nextafter(coarse.positions[0].y, 1.0f);
+    SourceScene scene = sceneOf(fine, [](glm::dvec3 p) { return p; });
+    scene.primitives[0].morphs.clear();
+    scene.rig.morphs.clear();
+    scene.primitives.push_back(coarse);
+    scene.parts.push_back(scene.parts[0]);
+    scene.parts[1].primitive = 1;
+    const Asset asset = cookAsset(std::move(scene), recipeOf({axisLayer({1, 0, 0})}), codec);
+    const AssetView& view = asset.view();
+    EXPECT_EQ(view.pointCount(), 25u * 25u * 2u - 25u);
+    for (uint32_t v = 0; v < view.vertexCount(); ++v) {
+      const Float3 p = view.positions[v], stands = view.positions[view.point_vertex[view.vertex_point[v]]];
+      ASSERT_EQ(p.x, stands.x) << v;
+      ASSERT_EQ(p.y, stands.y) << v;
+      ASSERT_EQ(p.z, stands.z) << v;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace furrow::tests
