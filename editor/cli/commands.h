@@ -18,5 +18,6 @@ Command addCheck(CLI::App& app);
 Command addEval(CLI::App& app);
 Command addRender(CLI::App& app);
 Command addBind(CLI::App& app);
+Command addExport(CLI::App& app);
 
 }  // namespace furrow::cli

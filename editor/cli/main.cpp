@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
   const std::map<std::string, furrow::cli::Command> commands = {
       {"cook", furrow::cli::addCook(app)},     {"info", furrow::cli::addInfo(app)},
       {"check", furrow::cli::addCheck(app)},   {"eval", furrow::cli::addEval(app)},
-      {"render", furrow::cli::addRender(app)}, {"bind", furrow::cli::addBind(app)}};
+      {"render", furrow::cli::addRender(app)}, {"bind", furrow::cli::addBind(app)},
+      {"export", furrow::cli::addExport(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -336,4 +336,32 @@ EncodedTexture encodeBytes(std::span<const ByteImage> slices, std::span<const Co
   return texture;
 }
 
+Image decode(const Texture& texture, uint32_t slice) {
+  const uint32_t channels = texture.format == TextureFormat::kBc5   ? 2
+                            : texture.format == TextureFormat::kBc4 ? 1
+                                                                    : 4;
+  Image image{texture.width, texture.height, channels, {}};
+  image.pixels.resize(size_t{image.width} * image.height * channels);
+  const size_t bytes = textureLevelBytes(texture.format, texture.width, texture.height, 0);
+  const auto* data = reinterpret_cast<const unsigned char*>(texture.data.data()) + bytes * slice;
+  if (texture.format == TextureFormat::kRgba8) {
+    std::transform(data, data + bytes, image.pixels.begin(),
+                   [](unsigned char v) { return static_cast<float>(v) / 255.0f; });
+    return image;
+  }
+  for (uint32_t y = 0; y < image.height; y += 4) {
+    for (uint32_t x = 0; x < image.width; x += 4) {
+      for (uint32_t c = 0; c < channels; ++c, data += 8) {
+        const std::array<float, 16> texels = decodedBlock(data);
+        for (uint32_t i = 0; i < 16; ++i) {
+          if (x + i % 4 < image.width && y + i / 4 < image.height) {
+            image.at(x + i % 4, y + i / 4)[c] = texels[i];
+          }
+        }
+      }
+    }
+  }
+  return image;
+}
+
 }  // namespace furrow::pipeline

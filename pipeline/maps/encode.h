@@ -41,4 +41,7 @@ EncodedTexture encode(TextureFormat format, std::span<const Image> slices,
 EncodedTexture encodeBytes(std::span<const ByteImage> slices, std::span<const Coverage> coverage = {},
                            uint32_t threads = 1);
 
+// A slice of the largest level, in [0, 1]: 2 channels of kBc5, 1 of kBc4, 4 of kRgba8.
+Image decode(const Texture& texture, uint32_t slice);
+
 }  // namespace furrow::pipeline

@@ -1,35 +1,14 @@
 // The same input gives the same bytes: in any folder, with any number of threads, at any level of the C
 // library's instruction sets.
 
-#include <cmath>
 #include <cstdlib>
 #include <string>
 
+#include "tests/cli/sheet.h"
 #include "tests/cli/tool.h"
 
 namespace furrow::test {
 namespace {
-
-// A folded sheet with UVs, about 900 triangles.
-std::string foldedSheet() {
-  constexpr int kQuads = 21;
-  std::string vertices, uvs, faces;
-  for (int y = 0; y <= kQuads; ++y)
-    for (int x = 0; x <= kQuads; ++x) {
-      const double u = static_cast<double>(x) / kQuads, v = static_cast<double>(y) / kQuads;
-      vertices += "v " + std::to_string(u) + ' ' + std::to_string(v) + ' ' +
-                  std::to_string(0.1 * std::sin(9.0 * u) * std::cos(5.0 * v)) + '\n';
-      uvs += "vt " + std::to_string(u) + ' ' + std::to_string(v) + '\n';
-    }
-  const auto corner = [](int i) { return ' ' + std::to_string(i) + '/' + std::to_string(i); };
-  for (int y = 0; y < kQuads; ++y)
-    for (int x = 0; x < kQuads; ++x) {
-      const int a = y * (kQuads + 1) + x + 1, c = a + kQuads + 1;
-      faces += 'f' + corner(a) + corner(a + 1) + corner(c + 1) + "\nf" + corner(a) + corner(c + 1) +
-               corner(c) + '\n';
-    }
-  return vertices + uvs + faces;
-}
 
 class SameBytes : public ToolTest {
  protected:
@@ -42,6 +21,10 @@ class SameBytes : public ToolTest {
     ASSERT_FALSE(first.empty());
     EXPECT_TRUE(cook(source, copied, "1") == first);
     EXPECT_TRUE(cook(elsewhere / source.filename(), copied, "4") == first);
+    const std::filesystem::path here = std::filesystem::current_path();
+    std::filesystem::current_path(elsewhere);
+    EXPECT_TRUE(cook(source.filename(), "recipe.json", "3") == first);
+    std::filesystem::current_path(here);
     ::setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F", 1);
     EXPECT_TRUE(cook(source, copied, "2") == first);
     ::unsetenv("GLIBC_TUNABLES");
@@ -63,6 +46,11 @@ class SameBytes : public ToolTest {
 TEST_F(SameBytes, OfASheetWithMaps) {
   expectSame(write("sheet.obj", foldedSheet()),
              R"({"mapSize": 128, "layers": [{"name": "a", "direction": {"axis": [1, 0.3, 0]}}]})");
+}
+
+TEST_F(SameBytes, OfASleeveFromItsRecipe) {
+  const std::filesystem::path content = FURROW_CONTENT;
+  expectSame(content / "sleeve.glb", readText(content / "sleeve.json"));
 }
 
 TEST_F(SameBytes, OfAFaceFromItsAnimation) {

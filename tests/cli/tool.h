@@ -64,6 +64,22 @@ class ToolTest : public ::testing::Test {
   Outcome run(const std::vector<std::string>& arguments, const std::string& tool = FURROW_TOOL) const {
     const std::string said = folder() / "said" / std::to_string(runs_++), out = said + ".out",
                       err = said + ".err";
+    const pid_t child = start(arguments, tool, out, err);
+    Outcome outcome;
+    int status = 0;
+    if (child < 0 || waitpid(child, &status, 0) != child) {
+      ADD_FAILURE() << tool << " did not start";
+      return outcome;
+    }
+    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    outcome.out = readText(out);
+    outcome.err = readText(err);
+    return outcome;
+  }
+
+  // The process, to be waited for; -1 if there is none.
+  pid_t start(const std::vector<std::string>& arguments, const std::string& tool = FURROW_TOOL,
+              const std::string& out = "/dev/null", const std::string& err = "/dev/null") const {
     std::vector<std::string> words = {tool};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -77,16 +93,7 @@ class ToolTest : public ::testing::Test {
     pid_t child = 0;
     const int fault = posix_spawn(&child, tool.c_str(), &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
-    Outcome outcome;
-    int status = 0;
-    if (fault != 0 || waitpid(child, &status, 0) != child) {
-      ADD_FAILURE() << tool << " did not start";
-      return outcome;
-    }
-    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    outcome.out = readText(out);
-    outcome.err = readText(err);
-    return outcome;
+    return fault == 0 ? child : -1;
   }
 
   // The tool refused with this status and one line that names `named`.

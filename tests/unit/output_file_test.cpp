@@ -1,0 +1,98 @@
+// Files that appear whole or not at all, whoever writes them and whatever ends the writer.
+
+#include "pipeline/pack/output_file.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include "tests/unit/gltf_builder.h"
+
+namespace furrow::pipeline {
+namespace {
+
+class OutputFile : public ::testing::Test {
+ protected:
+  std::filesystem::path folder() const { return scratch_.path(); }
+  std::filesystem::path file() const { return folder() / "asset.furrow"; }
+
+  // Megabytes of one byte.
+  static std::vector<std::byte> of(int value) {
+    return std::vector<std::byte>(size_t{1} << 20, std::byte(value));
+  }
+
+  // Whether the file is one of the writers' as a whole.
+  bool isWhole() const {
+    std::ifstream in(file(), std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    return bytes.size() == size_t{1} << 20 && bytes.find_first_not_of(bytes[0]) == std::string::npos;
+  }
+
+  std::vector<std::string> others() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder()))
+      if (entry.path() != file()) names.push_back(entry.path().filename());
+    return names;
+  }
+
+ private:
+  test::ScratchFolder scratch_;
+};
+
+TEST_F(OutputFile, IsOldOrNewWhenItsWriterIsKilled) {
+  writeFile(file(), of(0));
+  std::mt19937 random(5);
+  for (int kill = 0; kill < 60; ++kill) {
+    const pid_t writer = ::fork();
+    if (writer == 0)
+      for (int value = 1;; ++value) writeFile(file(), of(value));
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 12000u));
+    ::kill(writer, SIGKILL);
+    ::waitpid(writer, nullptr, 0);
+    ASSERT_TRUE(isWhole());
+    ASSERT_LE(others().size(), 1u) << "only a kill between linking and renaming leaves a name";
+    writeFile(file(), of(0));
+    ASSERT_TRUE(others().empty()) << "the next writer removes it";
+  }
+}
+
+TEST_F(OutputFile, WritersAtOnceDoNotDisturbEachOther) {
+  {
+    std::vector<std::jthread> writers;
+    for (int value = 1; value <= 6; ++value)
+      writers.emplace_back([&, value] {
+        for (int i = 0; i < 10; ++i) {
+          writeFile(file(), of(value));
+          EXPECT_TRUE(isWhole());
+        }
+      });
+  }
+  EXPECT_TRUE(others().empty());
+}
+
+TEST_F(OutputFile, OnlyLeftoversOfTheDeadAreRemoved) {
+  const auto make = [&](const char* name) { std::ofstream(folder() / name) << "x"; };
+  for (const char* name : {"asset.furrow.12-3.tmp", "asset.furrow.notes.tmp", "asset.furrow..tmp",
+                           "asset.furrow.tmp", "other.furrow.1-1.tmp"})
+    make(name);
+  make("asset.furrow.77-0.tmp");
+  const int alive = ::open((folder() / "asset.furrow.77-0.tmp").c_str(), O_WRONLY | O_CLOEXEC);
+  ASSERT_EQ(::flock(alive, LOCK_EX), 0);
+  writeFile(file(), of(1));
+  EXPECT_EQ(others().size(), 5u);
+  EXPECT_FALSE(std::filesystem::exists(folder() / "asset.furrow.12-3.tmp"));
+  ::close(alive);
+  writeFile(file(), of(1));
+  EXPECT_EQ(others().size(), 4u);
+  EXPECT_FALSE(std::filesystem::exists(folder() / "asset.furrow.77-0.tmp"));
+}
+
+}  // namespace
+}  // namespace furrow::pipeline
