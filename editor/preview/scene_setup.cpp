@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
 
@@ -16,6 +17,21 @@ using pipeline::Error;
 using pipeline::Exit;
 
 constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
+
+// Like a photographer: a subject of bright albedo gets less light into the picture, so that its form is not
+// burnt out; dark ones stay dark. The mean is that of the vertices.
+float exposureOf(const AssetView& asset) {
+  constexpr float kAlbedo = 0.45f;  // that is exposed as it is
+  const glm::vec3 luminance(0.2126f, 0.7152f, 0.0722f);
+  double sum = 0.0;
+  for (const Part& part : asset.parts) {
+    const auto albedo = double{glm::dot(glm::vec3(shownColor(asset, part)), luminance)};
+    for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v)
+      sum += albedo * double{glm::dot(vertexColor(asset, v), luminance)};
+  }
+  const double mean = sum / std::max(asset.vertexCount(), 1u);
+  return static_cast<float>(mean > kAlbedo ? kAlbedo / mean : 1.0);
+}
 
 }  // namespace
 
@@ -62,7 +78,7 @@ gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options) {
   scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.15f);
   scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
   scene.lights[2] = light(0.6f, 0.35f, -0.75f, 0.85f);
-  scene.up = glm::vec4(frame.up, 0.0f);
+  scene.up = glm::vec4(frame.up, exposureOf(asset));
 
   // The shadow map spans twice what the picture shows at the target, for what lies before and behind it;
   // casters before it are clamped onto it.
@@ -93,6 +109,13 @@ glm::vec4 shownColor(const AssetView& asset, const Part& part) {
   if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite && (asset.colors.empty() || !colored()))
     return {0.40f, 0.255f, 0.19f, 1.0f};
   return {base.x, base.y, base.z, 1.0f};
+}
+
+glm::vec3 vertexColor(const AssetView& asset, uint32_t v) {
+  if (asset.colors.empty()) return glm::vec3(1.0f);
+  const uint8_t* bytes = &asset.colors[size_t{4} * v];
+  const glm::vec3 c = glm::vec3(bytes[0], bytes[1], bytes[2]) / 255.0f;
+  return c * c;
 }
 
 std::vector<glm::vec4> shownValues(const AssetView& asset, const FrameInput& input,

@@ -2,6 +2,7 @@
 
 // What a picture shows, whoever draws it: camera and lights as the shaders take them, and values by vertex.
 
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <vector>
 
@@ -21,6 +22,9 @@ gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options);
 // The colour a part is drawn in, linear, times those of its vertices. White says that nobody gave it one: it
 // becomes clay.
 glm::vec4 shownColor(const AssetView& asset, const Part& part);
+
+// A vertex's own colour, linear, as the shader takes it: near enough to sRGB.
+glm::vec3 vertexColor(const AssetView& asset, uint32_t v);
 
 // The values of the view, see view_values.h; empty for one that has none.
 std::vector<glm::vec4> shownValues(const AssetView& asset, const FrameInput& input,

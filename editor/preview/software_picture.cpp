@@ -170,14 +170,6 @@ glm::vec3 shownColorAt(const AssetView& asset, const CpuFrame& frame, const Rend
   }
 }
 
-// As the renderer's shader takes it: near enough to sRGB.
-glm::vec3 vertexColor(const AssetView& asset, uint32_t v) {
-  if (asset.colors.empty()) return glm::vec3(1.0f);
-  const uint8_t* bytes = &asset.colors[size_t{4} * v];
-  const glm::vec3 c = glm::vec3(bytes[0], bytes[1], bytes[2]) / 255.0f;
-  return c * c;
-}
-
 // Of both sides.
 struct VertexColors {
   std::vector<Float3> front, back;
@@ -218,7 +210,8 @@ float encoded(float linear) {
 }
 
 // Over the background, sRGB-encoded.
-Image finished(std::span<const Float4> drawn, const RenderOptions& options, uint32_t threads) {
+Image finished(std::span<const Float4> drawn, const RenderOptions& options, float exposure,
+               uint32_t threads) {
   Image image{options.width, options.height, 4, std::vector<float>(drawn.size() * 4, 1.0f)};
   const auto height = static_cast<float>(options.height);
   pipeline::parallelFor(options.height, threads, [&](uint32_t y) {
@@ -228,7 +221,7 @@ Image finished(std::span<const Float4> drawn, const RenderOptions& options, uint
       glm::vec3 color(0.0f);
       if (p.w > 0.0f) {
         color = glm::vec3(p.x, p.y, p.z) / p.w;
-        if (options.view == View::kBeauty) color = gpu::toneMap(color);
+        if (options.view == View::kBeauty) color = gpu::toneMap(color * exposure);
       }
       if (p.w < 1.0f) color = glm::mix(gpu::backgroundColor(pixel, height), color, p.w);
       float* out = image.at(x, y);
@@ -272,7 +265,7 @@ Image softwarePicture(const AssetView& asset, const FrameInput& input, const Ren
   job.vertex_shade = gpu::kVertexShade;
   job.picture = drawn;
   rasteriser.run(job);
-  return finished(drawn, options, threads);
+  return finished(drawn, options, scene.up.w, threads);
 }
 
 }  // namespace furrow::preview

@@ -91,6 +91,23 @@ TEST(SoftwarePicture, CreasesDarkenWhereTheSurfaceIsSqueezed) {
   }
 }
 
+// A subject twice as bright as what is exposed as it is gets half the light; a dark one stays dark.
+TEST(SoftwarePicture, BrightSubjectsAreNotBurntOut) {
+  const BallAsset ball;
+  const Posed posed;
+  const auto grey = [&](float albedo) {
+    AssetView view = ball.view();
+    Part part = view.parts[0];
+    part.base_color = {albedo, albedo, albedo, 1.0f};
+    view.parts = {&part, 1};
+    const Image image = softwarePicture(view, posed.input, optionsFor(View::kBeauty, Shading::kNone), 1);
+    return green(image, 0.4f, 0.35f);
+  };
+  EXPECT_NEAR(grey(0.9f), grey(0.45f), 0.02f);
+  EXPECT_LT(grey(0.9f), 0.93f);
+  EXPECT_LT(grey(0.225f), grey(0.45f) - 0.1f);
+}
+
 TEST(SoftwarePicture, RefusesWhatItCannotDraw) {
   const BallAsset ball;
   const Posed posed;

@@ -40,7 +40,7 @@ FURROW_BLOCK(Scene) {
   mat4 shadow;     // world to shadow map: xy texture coordinates, z depth
   vec4 eye;        // world; w: world units a shadow texel
   vec4 lights[3];  // key, fill, rim: direction to the light; w: radiance
-  vec4 up;         // of the camera
+  vec4 up;         // of the camera; w: exposure
   vec4 size;       // picture in pixels; z: stroke length in world units, w: stroke width in pixels
   uint layer;
   uint layers;

@@ -76,7 +76,7 @@ void main() {
       }
     }
     vec3 lit = shade(scene.lights, scene.up.xyz, base, form, form, v, 1.0, material.roughness, shadow);
-    color = vec4(toneMap(furrowAlphaShade(lit, 1.0, 1.0 - crease)), 1.0);
+    color = vec4(toneMap(furrowAlphaShade(lit, 1.0, 1.0 - crease) * scene.up.w), 1.0);
     return;
   }
 
@@ -94,7 +94,7 @@ void main() {
       vec3 bumped = shade(scene.lights, scene.up.xyz, base, form, n, v, full.shading, material.roughness, shadow);
       total += furrowBlend(plain, bumped, I) - plain;
     }
-    color = vec4(toneMap(max(total, 0.0)), 1.0);
+    color = vec4(toneMap(max(total, 0.0) * scene.up.w), 1.0);
     return;
   }
 
@@ -105,5 +105,5 @@ void main() {
   vec2 slope = furrowSlope(bump);
   float roughness = furrowRoughness(material.roughness, furrowSlopeVariance(dFdx(slope), dFdy(slope)));
   vec3 n = normalize(frame * bump);
-  color = vec4(toneMap(shade(scene.lights, scene.up.xyz, base, form, n, v, wrinkles.shading, roughness, shadow)), 1.0);
+  color = vec4(toneMap(shade(scene.lights, scene.up.xyz, base, form, n, v, wrinkles.shading, roughness, shadow) * scene.up.w), 1.0);
 }
