@@ -8,6 +8,7 @@
 
 #include "content/face_parts.h"
 #include "content/head.h"
+#include "content/surface_net.h"
 
 // The ear is sculpted as a distance like the head, joined to it, and meshed by surface nets [Gibson 1998]
 // where it stands out of the head.
@@ -91,90 +92,39 @@ double headWithEar(dvec3 p) {
   return head::join(head::distance(p), earDistance(p), 0.3);
 }
 
-dvec3 slope(dvec3 p) {
-  constexpr double e = 1e-3;
-  return dvec3(headWithEar(p + dvec3(e, 0, 0)) - headWithEar(p - dvec3(e, 0, 0)),
-               headWithEar(p + dvec3(0, e, 0)) - headWithEar(p - dvec3(0, e, 0)),
-               headWithEar(p + dvec3(0, 0, e)) - headWithEar(p - dvec3(0, 0, e))) /
-         (2 * e);
-}
-
 }  // namespace
 
 FacePart ears() {
-  constexpr dvec3 kLow{5.6, -6.0, -11.2}, kHigh{9.8, 1.0, -5.6};
-  constexpr double kStep = 0.105;
-  const glm::ivec3 count = glm::ivec3(glm::ceil((kHigh - kLow) / kStep)) + 1;
-  const auto index = [&](glm::ivec3 c) { return (c.z * count.y + c.y) * count.x + c.x; };
-  const auto corner = [&](glm::ivec3 c) { return kLow + kStep * dvec3(c); };
-  std::vector<double> value(static_cast<size_t>(count.x) * count.y * count.z);
-  for (int z = 0; z < count.z; ++z)
-    for (int y = 0; y < count.y; ++y)
-      for (int x = 0; x < count.x; ++x) value[index({x, y, z})] = headWithEar(corner({x, y, z}));
-
+  const SurfaceNet net = surfaceNet(headWithEar, {5.6, -6.0, -11.2}, {9.8, 1.0, -5.6}, 0.105);
   FacePart part;
-  std::vector<int> point_of(value.size(), -1);
-  const auto step = [](int axis) { return glm::ivec3(axis == 0, axis == 1, axis == 2); };
-  for (int z = 0; z + 1 < count.z; ++z)
-    for (int y = 0; y + 1 < count.y; ++y)
-      for (int x = 0; x + 1 < count.x; ++x) {
-        dvec3 sum(0);
-        int crossings = 0;
-        for (int a = 0; a < 8; ++a)
-          for (int axis = 0; axis < 3; ++axis) {
-            if (a >> axis & 1) continue;
-            const glm::ivec3 from = glm::ivec3(x, y, z) + glm::ivec3(a & 1, a >> 1 & 1, a >> 2 & 1);
-            const double f0 = value[index(from)], f1 = value[index(from + step(axis))];
-            if ((f0 < 0) == (f1 < 0)) continue;
-            sum += corner(from) + kStep * dvec3(step(axis)) * (f0 / (f0 - f1));
-            ++crossings;
-          }
-        if (crossings == 0) continue;
-        dvec3 p = sum / static_cast<double>(crossings);
-        for (int k = 0; k < 2; ++k) {
-          const dvec3 g = slope(p);
-          p -= g * (headWithEar(p) / std::max(glm::dot(g, g), 0.2));
-        }
-        point_of[index({x, y, z})] = static_cast<int>(part.addPoint(p, p.y < head::lipLine(0), p.y < 0));
-      }
-
+  for (const dvec3& p : net.points) part.addPoint(p, p.y < head::lipLine(0), p.y < 0);
   static const Frame frame;
-  std::map<std::pair<int, bool>, uint32_t> vertex_of;  // a chart each for what faces out and what faces in
-  for (int z = 1; z + 1 < count.z; ++z)
-    for (int y = 1; y + 1 < count.y; ++y)
-      for (int x = 1; x + 1 < count.x; ++x)
-        for (int axis = 0; axis < 3; ++axis) {
-          const glm::ivec3 c(x, y, z);
-          const bool inside = value[index(c)] < 0;
-          if (inside == (value[index(c + step(axis))] < 0)) continue;
-          const glm::ivec3 s = step((axis + 1) % 3), t = step((axis + 2) % 3);
-          std::array<int, 4> quad{point_of[index(c)], point_of[index(c - s)], point_of[index(c - s - t)],
-                                  point_of[index(c - t)]};
-          if (!inside) std::swap(quad[1], quad[3]);
-          // What lies on the bare head is the skin's.
-          const auto stands_out = [&](int p) { return head::distance(part.mesh.points[p]) > 0.004; };
-          if (std::ranges::none_of(quad, stands_out)) continue;
-          const dvec3 normal = glm::cross(part.mesh.points[quad[2]] - part.mesh.points[quad[0]],
-                                          part.mesh.points[quad[3]] - part.mesh.points[quad[1]]);
-          const bool outward = glm::dot(normal, frame.w) > 0;
-          std::array<uint32_t, 4> corners{};
-          for (int k = 0; k < 4; ++k) {
-            const auto [slot, fresh] =
-                vertex_of.try_emplace({quad[k], outward}, static_cast<uint32_t>(part.mesh.vertices.size()));
-            if (fresh) {
-              const dvec3 q = frame.local(part.mesh.points[quad[k]]);
-              part.mesh.addVertex(quad[k],
-                                  {(outward ? 0.02 : 0.52) + (q.x + 2.0) * 0.08, 0.05 + (q.y + 4.0) * 0.11});
-            }
-            corners[k] = slot->second;
-          }
-          part.mesh.addQuad(corners[0], corners[1], corners[2], corners[3]);
-        }
+  std::map<std::pair<uint32_t, bool>, uint32_t>
+      vertex_of;  // a chart each for what faces out and what faces in
+  for (const std::array<uint32_t, 4>& quad : net.quads) {
+    // What lies on the bare head is the skin's.
+    const auto stands_out = [&](uint32_t p) { return head::distance(net.points[p]) > 0.004; };
+    if (std::ranges::none_of(quad, stands_out)) continue;
+    const dvec3 normal =
+        glm::cross(net.points[quad[2]] - net.points[quad[0]], net.points[quad[3]] - net.points[quad[1]]);
+    const bool outward = glm::dot(normal, frame.w) > 0;
+    std::array<uint32_t, 4> corners{};
+    for (int k = 0; k < 4; ++k) {
+      const auto [slot, fresh] =
+          vertex_of.try_emplace({quad[k], outward}, static_cast<uint32_t>(part.mesh.vertices.size()));
+      if (fresh) {
+        const dvec3 q = frame.local(net.points[quad[k]]);
+        part.mesh.addVertex(quad[k],
+                            {(outward ? 0.02 : 0.52) + (q.x + 2.0) * 0.08, 0.05 + (q.y + 4.0) * 0.11});
+      }
+      corners[k] = slot->second;
+    }
+    part.mesh.addQuad(corners[0], corners[1], corners[2], corners[3]);
+  }
   for (SurfaceMesh::Vertex& vertex : part.mesh.vertices) vertex.uv = glm::clamp(vertex.uv, 0.0, 1.0);
 
-  std::vector<dvec3> normals;
   for (const dvec3& p : part.mesh.points) {
-    const dvec3 n = glm::normalize(slope(p));
+    const dvec3 n = glm::normalize(slopeOf(headWithEar, p));
     // Thin, and full of blood.
     part.colors.push_back(skinColor(p, n) * glm::mix(dvec3(1), dvec3(1.04, 0.86, 0.82),
                                                      smoothRamp(0.05, 0.6, head::distance(p))));

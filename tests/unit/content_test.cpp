@@ -30,6 +30,16 @@ const Scene& sleeve() {
   return scene;
 }
 
+const Scene& jacket() {
+  static const Scene scene = buildJacket();
+  return scene;
+}
+
+const Scene& panel() {
+  static const Scene scene = buildPanel();
+  return scene;
+}
+
 const Primitive& part(const Scene& scene, const std::string& material) {
   for (const Mesh& mesh : scene.meshes)
     for (const Primitive& primitive : mesh.primitives)
@@ -182,7 +192,7 @@ TEST(Content, EarsStandOutOfTheHead) {
 }
 
 TEST(Content, ArraysMatchAndIndicesAreInRange) {
-  for (const Scene* scene : {&face(), &sleeve()}) {
+  for (const Scene* scene : {&face(), &jacket(), &panel(), &sleeve()}) {
     for (const Mesh& mesh : scene->meshes) {
       for (const Primitive& primitive : mesh.primitives) {
         const size_t count = primitive.positions.size();
@@ -217,6 +227,7 @@ TEST(Content, SurfacesFaceOutwards) {
     return with / (with + against);
   };
   EXPECT_GT(outwards(part(sleeve(), "cloth"), {}, {1, 0, 0}), 0.9);
+  EXPECT_GT(outwards(part(jacket(), "cloth"), {0, -0.1f, 0}, {}), 0.75);  // the sleeves' undersides face in
   EXPECT_GT(outwards(part(sleeve(), "skin"), {}, {1, 0, 0}), 0.9);
   EXPECT_GT(outwards(part(face(), "skin"), {0, -0.03f, -0.06f}, {}), 0.95);
   EXPECT_GT(outwards(part(face(), "shirt"), {0, -0.20f, -0.08f}, {}), 0.9);
@@ -413,6 +424,75 @@ TEST(Content, TwistSqueezesAlongOneHelixAndStretchesTheOther) {
   EXPECT_GT(std::max(a, b), 1.05);
 }
 
+TEST(Content, JacketIsMirroredSkinnedSmoothlyAndClosedAtItsSeams) {
+  const Primitive& cloth = part(jacket(), "cloth");
+  EXPECT_GE(cloth.indices.size() / 3, 15000u);
+  size_t blended = 0, on_seam = 0;
+  std::map<Key, size_t> places;
+  float hem = 0;
+  for (size_t v = 0; v < cloth.positions.size(); ++v) {
+    const glm::vec4 w = cloth.weights[v];
+    ASSERT_NEAR(w.x + w.y + w.z + w.w, 1.0f, 1e-5f);
+    blended += std::max({w.x, w.y, w.z, w.w}) < 0.95f;
+    hem = std::min(hem, cloth.positions[v].y);
+    const auto [place, fresh] = places.emplace(keyOf(cloth.positions[v]), v);
+    if (fresh) continue;
+    ++on_seam;
+    EXPECT_EQ(w, cloth.weights[place->second]);
+    EXPECT_NE(cloth.uvs[v], cloth.uvs[place->second]);
+  }
+  EXPECT_GT(blended, cloth.positions.size() / 4);
+  EXPECT_GT(on_seam, 300u);
+  EXPECT_NEAR(hem, -0.385f, 0.004f);
+  const auto nearest = [&](glm::vec3 p) {
+    float best = 1;
+    for (const auto& [key, v] : places) best = std::min(best, glm::distance(p, cloth.positions[v]));
+    return best;
+  };
+  for (size_t v = 0; v < cloth.positions.size(); v += 97)
+    EXPECT_LT(nearest(cloth.positions[v] * glm::vec3(-1, 1, 1)), 1e-4f);
+}
+
+TEST(Content, JacketIsSqueezedAtElbowShoulderAndWaist) {
+  const Primitive& cloth = part(jacket(), "cloth");
+  const auto ratio = [&](const char* clip, size_t key, glm::dvec3 d, glm::vec3 centre, float radius) {
+    return lengthRatio(cloth, skinned(jacket(), cloth, clip, key), d,
+                       [=](glm::vec3 p) { return glm::distance(p, centre) < radius; });
+  };
+  const glm::dvec3 along = glm::normalize(glm::dvec3(0.78, -0.62, 0.1));
+  EXPECT_LT(ratio("bend", 30, along, {0.39, -0.05, 0.06}, 0.05f), 0.80);    // inside of the elbow
+  EXPECT_GT(ratio("bend", 30, along, {0.41, -0.12, -0.07}, 0.05f), 1.10);   // outside
+  EXPECT_LT(ratio("raise", 27, along, {0.17, 0.155, 0.0}, 0.06f), 0.90);    // over the shoulder, arm up
+  EXPECT_GT(ratio("raise", 27, along, {0.21, -0.02, 0.0}, 0.08f), 1.10);    // under the arm
+  EXPECT_LT(ratio("lean", 30, {0, 1, 0}, {0, -0.18, 0.11}, 0.06f), 0.85);   // belly
+  EXPECT_GT(ratio("lean", 30, {0, 1, 0}, {0, -0.18, -0.11}, 0.06f), 1.10);  // back
+  EXPECT_LT(ratio("sway", 22, {0, 1, 0}, {-0.16, -0.18, 0}, 0.06f) *
+                ratio("sway", 22, {0, 1, 0}, {0.16, -0.18, 0}, 0.06f),
+            1.0);
+  const double left = ratio("twist", 22, glm::normalize(glm::dvec3(1, 1, 0)), {0, -0.18, 0.11}, 0.06f),
+               right = ratio("twist", 22, glm::normalize(glm::dvec3(1, -1, 0)), {0, -0.18, 0.11}, 0.06f);
+  EXPECT_LT(std::min(left, right), 0.93);
+  EXPECT_GT(std::max(left, right), 1.05);
+}
+
+TEST(Content, PanelIsShearedPinchedAndSqueezed) {
+  const Primitive& cloth = part(panel(), "cloth");
+  const auto posed = [&](size_t morph) {
+    std::vector<glm::vec3> result = cloth.positions;
+    for (size_t v = 0; v < result.size(); ++v) result[v] += cloth.morphs[morph].positions[v];
+    return result;
+  };
+  EXPECT_THAT(panel().meshes[0].morphs, testing::ElementsAre("shear", "pinch", "squeeze"));
+  const auto all = [](glm::vec3) { return true; };
+  EXPECT_NEAR(lengthRatio(cloth, posed(2), {1, 0, 0}, all), 0.74, 0.02);
+  EXPECT_LT(lengthRatio(cloth, posed(0), glm::normalize(glm::dvec3(1, 1, 0)), all), 0.90);
+  EXPECT_GT(lengthRatio(cloth, posed(0), glm::normalize(glm::dvec3(1, -1, 0)), all), 1.10);
+  const auto beside = [](glm::vec3 p) {
+    return std::abs(p.x - 0.08f) < 0.02f && std::abs(p.y - 0.03f) < 0.02f;
+  };
+  EXPECT_LT(lengthRatio(cloth, posed(1), {0, 1, 0}, beside), 0.75);  // around the pinch
+}
+
 TEST(Content, ReadsBackAsItWasBuilt) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "content_face.glb";
   writeGlb(face(), file);
@@ -455,8 +535,8 @@ TEST(Content, SameBytesEveryTime) {
   writeGlb(face(), folder / "content_1.glb");
   writeGlb(buildFace(), folder / "content_2.glb");
   EXPECT_EQ(bytesOf(folder / "content_1.glb"), bytesOf(folder / "content_2.glb"));
-  writeGlb(sleeve(), folder / "content_1.glb");
-  writeGlb(buildSleeve(), folder / "content_2.glb");
+  writeGlb(jacket(), folder / "content_1.glb");
+  writeGlb(buildJacket(), folder / "content_2.glb");
   EXPECT_EQ(bytesOf(folder / "content_1.glb"), bytesOf(folder / "content_2.glb"));
   for (const char* name : {"content_1.glb", "content_2.glb"}) std::filesystem::remove(folder / name);
 }

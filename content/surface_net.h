@@ -1,0 +1,26 @@
+#pragma once
+
+// A signed distance as a surface, by surface nets [Gibson 1998].
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace furrow::content {
+
+struct SurfaceNet {
+  std::vector<glm::dvec3> points;
+  std::vector<std::array<uint32_t, 4>> quads;  // counter-clockwise from outside
+};
+
+// Where `distance` is 0 within the box, one point a cell of side `step`, drawn onto the surface. A box that
+// is symmetric about a plane gives a symmetric net if the distance is.
+SurfaceNet surfaceNet(const std::function<double(glm::dvec3)>& distance, glm::dvec3 low, glm::dvec3 high,
+                      double step);
+
+// By central differences; not normalised.
+glm::dvec3 slopeOf(const std::function<double(glm::dvec3)>& distance, glm::dvec3 p);
+
+}  // namespace furrow::content
