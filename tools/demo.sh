@@ -25,28 +25,45 @@ picture() {
 }
 
 step "make the content" "$bin/furrow_content" "$content"
-for model in face sleeve; do
+for model in face jacket panel; do
   step "cook $model" "$bin/furrow" cook "$content/$model.glb" --recipe "$content/$model.json" -o "$content/$model.furrow" --quiet
 done
 
-model=face
-extreme=(--morph browInnerUp=1 --morph browOuterUpLeft=0.8 --morph browOuterUpRight=0.8 --morph eyeSquintLeft=0.8 --morph eyeSquintRight=0.8
-  --morph mouthSmileLeft=1 --morph mouthSmileRight=1)
-camera=(--yaw 18 --zoom 1.7 --target 0 -0.025 -0.03)
-picture face-neutral-plain "face, neutral, no wrinkles" --shading none "${camera[@]}"
-picture face-neutral "face, neutral, wrinkles" "${camera[@]}"
-picture face-extreme-plain "face, extreme, no wrinkles" --shading none "${camera[@]}" "${extreme[@]}"
-picture face-extreme "face, extreme, wrinkles" "${camera[@]}" "${extreme[@]}"
-picture face-extreme-weight "face, extreme, weight of forehead" --view weight --layer forehead "${camera[@]}" "${extreme[@]}"
+# five NAME CAPTION LAYER: neutral and posed as $pose, each without and with wrinkles, then the weight of a layer.
+five() {
+  local name=$1 caption=$2 layer=$3
+  picture "$name-neutral-plain" "$caption, neutral, no wrinkles" --shading none "${camera[@]}"
+  picture "$name-neutral" "$caption, neutral, wrinkles" "${camera[@]}"
+  picture "$name-posed-plain" "$caption, posed, no wrinkles" --shading none "${camera[@]}" "${pose[@]}"
+  picture "$name-posed" "$caption, posed, wrinkles" "${camera[@]}" "${pose[@]}"
+  picture "$name-weight" "$caption, posed, weight of $layer" --view weight --layer "$layer" "${camera[@]}" "${pose[@]}"
+}
 
-model=sleeve
-camera=(--yaw -25 --pitch 12)
-extreme=(--clip bend --time 0.62)
-picture sleeve-neutral-plain "sleeve, neutral, no wrinkles" --shading none "${camera[@]}"
-picture sleeve-neutral "sleeve, neutral, wrinkles" "${camera[@]}"
-picture sleeve-extreme-plain "sleeve, bent, no wrinkles" --shading none "${camera[@]}" "${extreme[@]}"
-picture sleeve-extreme "sleeve, bent, wrinkles" "${camera[@]}" "${extreme[@]}"
-picture sleeve-extreme-weight "sleeve, bent, weight of elbow" --view weight --layer elbow "${camera[@]}" "${extreme[@]}"
+# morphs NAME=W ...: sets $pose.
+morphs() {
+  pose=()
+  local morph
+  for morph in "$@"; do pose+=(--morph "$morph"); done
+}
+
+model=face
+camera=(--yaw 18 --zoom 1.7 --target 0 -0.025 -0.03)
+morphs browInnerUp=1 browOuterUpLeft=0.8 browOuterUpRight=0.8 eyeSquintLeft=0.5 eyeSquintRight=0.5 mouthSmileLeft=1 mouthSmileRight=1 \
+  cheekSquintLeft=0.6 cheekSquintRight=0.6
+five face "face" forehead
+camera=(--yaw 24 --zoom 3.6 --target 0.012 0.005 0.02)
+morphs browDownLeft=1 browDownRight=1 eyeSquintLeft=0.8 eyeSquintRight=0.8 noseSneerLeft=0.9 noseSneerRight=0.9
+five eyes "eyes" glabella
+
+model=jacket
+camera=(--yaw 24 --zoom 1.55 --target 0 -0.1 0)
+pose=(--clip lean --time 1)
+five jacket "jacket" waist
+
+model=panel
+camera=(--yaw 14 --zoom 1.1)
+morphs shear=1
+five panel "panel" shear
 
 step "contact sheet" "$bin/furrow_contact_sheet" "$out/contact_sheet.png" 5 "furrow: dynamic wrinkles" "${cells[@]}"
 echo "demo: pictures in $out, all of them on $out/contact_sheet.png"
