@@ -61,7 +61,7 @@ pose=(--clip lean --time 1)
 five jacket "jacket" waist
 
 model=panel
-camera=(--yaw 14 --zoom 1.1)
+camera=(--yaw 14 --zoom 0.9)
 morphs shear=1
 five panel "panel" shear
 
