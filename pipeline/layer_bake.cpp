@@ -229,7 +229,7 @@ class LayerBake {
       const ByteImage& image = in_.masks.at(texture->texture);
       checkMask(texture->texture, image, texture->channel, recipe_.name);
       std::vector<float> values;
-      for (const glm::vec2& uv : in_.surface.uvs) values.push_back(sample(image, uv, texture->channel));
+      for (const glm::vec2& uv : in_.surface.uvs) values.push_back(sampleAt(image, uv, texture->channel));
       strength = pointMean(values);
     } else if (const auto* named = std::get_if<MaskAttribute>(&recipe_.mask)) {
       const std::vector<glm::vec4> values = attribute(named->name, named->channel + 1, glm::vec4(0.0f));
@@ -258,21 +258,6 @@ class LayerBake {
     if (constant && std::holds_alternative<MaskAttribute>(recipe_.mask))
       fail("its mask is constant (one value everywhere on its meshes)",
            "choose another channel, or say \"mask\": \"none\" for the whole surface");
-  }
-
-  static float sample(const ByteImage& image, glm::vec2 uv, uint32_t channel) {
-    const auto wrap = [](float t, uint32_t size) {
-      const auto i = static_cast<int64_t>(std::floor(t)) % static_cast<int64_t>(size);
-      return static_cast<uint32_t>(i < 0 ? i + size : i);
-    };
-    const float x = uv.x * static_cast<float>(image.width) - 0.5f,
-                y = uv.y * static_cast<float>(image.height) - 0.5f;
-    const float fx = x - std::floor(x), fy = y - std::floor(y);
-    const auto at = [&](float dx, float dy) {
-      return static_cast<float>(image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[channel]) /
-             255.0f;
-    };
-    return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) + (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
   }
 
   std::vector<float> squeezeMask() const {
@@ -330,7 +315,7 @@ class LayerBake {
       const SurfacePart& span = in_.surface.parts[i];
       if (!covered_part_[i] || !span.has_uvs) continue;
       for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
-        values[v] = sample(image, in_.surface.uvs[v], bias.channel);
+        values[v] = sampleAt(image, in_.surface.uvs[v], bias.channel);
     }
     return values;
   }

@@ -22,6 +22,12 @@ enum class Shading : uint8_t {
 };  // Larsson's three methods, and no wrinkles
 enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence, kMorph };
 
+// Milliseconds of the stages of a picture.
+struct StageTimes {
+  double deform = 0.0, compress = 0.0, smooth = 0.0, respond = 0.0;  // of all layers
+  double draw = 0.0;
+};
+
 struct RenderOptions {
   uint32_t width = 1024, height = 1024;  // 1 to 4096
   Tier tier = Tier::kGpu;
@@ -33,6 +39,8 @@ struct RenderOptions {
   // A value a vertex that the views mask, in [0, 1], and bias, in [-1, 1], show in place of the asset's; or
   // empty.
   std::span<const float> values;
+  // If not null, every stage is waited for and measured on the CPU's clock.
+  StageTimes* times = nullptr;
 };
 
 // Where the maps of a texture set cannot be had (a mesh without UVs), creases are drawn by alpha shading of

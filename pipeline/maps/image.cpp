@@ -97,6 +97,21 @@ Image toFloats(const ByteImage& image) {
   return floats;
 }
 
+float sampleAt(const ByteImage& image, glm::vec2 uv, uint32_t channel) {
+  const auto wrap = [](float t, uint32_t size) {
+    const auto i = static_cast<int64_t>(std::floor(t)) % static_cast<int64_t>(size);
+    return static_cast<uint32_t>(i < 0 ? i + size : i);
+  };
+  const float x = uv.x * static_cast<float>(image.width) - 0.5f,
+              y = uv.y * static_cast<float>(image.height) - 0.5f;
+  const float fx = x - std::floor(x), fy = y - std::floor(y);
+  const auto at = [&](float dx, float dy) {
+    return static_cast<float>(image.at(wrap(x + dx, image.width), wrap(y + dy, image.height))[channel]) /
+           255.0f;
+  };
+  return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) + (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
+}
+
 ByteImage toBytes(const Image& image) {
   ByteImage bytes{image.width, image.height, image.channels, std::vector<uint8_t>(image.pixels.size())};
   std::transform(image.pixels.begin(), image.pixels.end(), bytes.pixels.begin(), [](float v) {

@@ -50,6 +50,8 @@ Image toFloats(const ByteImage& image);
 
 // Where the module is: beside the program or, installed, in ../lib/furrow.
 std::filesystem::path imageModuleFile();
+// A channel at a place of UV space, bilinear, repeated over the edges; in [0, 1].
+float sampleAt(const ByteImage& image, glm::vec2 uv, uint32_t channel);
 
 // Values cut to [0, 1] and rounded to the nearest of 256.
 ByteImage toBytes(const Image& image);

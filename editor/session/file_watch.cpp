@@ -1,0 +1,41 @@
+#include "editor/session/file_watch.h"
+
+#include <system_error>
+
+namespace furrow::editor {
+
+FileWatch::State FileWatch::stateOf(const std::filesystem::path& file) {
+  std::error_code error;
+  State state;
+  state.time = std::filesystem::last_write_time(file, error);
+  if (error) return {};
+  state.size = std::filesystem::file_size(file, error);
+  return error ? State{} : state;
+}
+
+void FileWatch::watch(const std::vector<std::filesystem::path>& files) {
+  std::map<std::filesystem::path, State> states;
+  for (const std::filesystem::path& file : files) {
+    const auto known = states_.find(file);
+    states[file] = known == states_.end() ? stateOf(file) : known->second;
+  }
+  states_ = std::move(states);
+}
+
+void FileWatch::forget(const std::filesystem::path& file) {
+  const auto known = states_.find(file);
+  if (known != states_.end()) known->second = stateOf(file);
+}
+
+std::vector<std::filesystem::path> FileWatch::changed() {
+  std::vector<std::filesystem::path> files;
+  for (auto& [file, state] : states_) {
+    const State now = stateOf(file);
+    if (now == state) continue;
+    state = now;
+    files.push_back(file);
+  }
+  return files;
+}
+
+}  // namespace furrow::editor

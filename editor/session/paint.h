@@ -1,0 +1,105 @@
+#pragma once
+
+// Painting on the surface: an image in UV space, painted through the places of its texels on the surface.
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "editor/session/posed_surface.h"
+#include "pipeline/maps/image.h"
+#include "pipeline/maps/texel_map.h"
+#include "pipeline/recipe.h"
+
+namespace furrow::editor {
+
+enum class Painted : uint8_t { kBias, kMask, kDirection };
+
+struct Brush {
+  float size = 0.05f;     // radius, of the diagonal of the character at rest, [0.002, 0.5]
+  float strength = 0.8f;  // (0, 1]: how far a stroke goes towards what it paints
+  float falloff = 0.6f;   // [0, 1]: the part of the radius over which it fades; 0 is a hard edge
+  float bias = 1.0f;      // [-1, 1]: the weight that a bias stroke adds
+  bool mirror = false;    // also at -x of the root space
+  bool erase = false;     // back to neutral, black, or no direction
+};
+
+// How much the brush covers at `distance` from its middle, in radii: 1 inside, 0 from 1 on.
+float brushCover(const Brush& brush, float distance);
+
+// The texels of one size of image over one asset's surface.
+class Canvas {
+ public:
+  // Over the parts that have UVs and of which a layer measures a triangle: `meshes`, `materials` as
+  // LayerRecipe has them. Costs some tens of milliseconds for 1024 texels.
+  Canvas(const AssetView& asset, const pipeline::LayerRecipe& layer, uint32_t size);
+
+  uint32_t size() const { return map_.grid.width; }
+  bool empty() const { return texels_.empty(); }  // nothing has UVs
+
+  // What a layer of the asset has at its vertices, drawn as an image: where painting begins.
+  pipeline::ByteImage current(Painted kind, const AssetView& asset, uint32_t asset_layer) const;
+
+  // One texel that lies on the surface.
+  struct Texel {
+    uint32_t index;  // y * size + x
+    uint32_t triangle;
+    glm::vec3 rest, normal;  // root space
+  };
+  const std::vector<Texel>& texels() const { return texels_; }
+
+  // The unit step of the image's x (right) and y (up) that goes along `direction` (root space, tangent) in a
+  // texel's triangle; 0 where the triangle has no area in UV.
+  glm::vec2 toImage(const Texel& texel, glm::vec3 direction) const;
+
+ private:
+  pipeline::Surface surface_;
+  pipeline::TexelMap map_;
+  std::vector<Texel> texels_;
+};
+
+// From press to release. How far a texel is covered is the most that any piece of the stroke covers it, so a
+// slow stroke paints what a fast one does.
+class Stroke {
+ public:
+  Stroke(std::shared_ptr<const Canvas> canvas, std::shared_ptr<const pipeline::ByteImage> before,
+         Painted kind, const Brush& brush, float diagonal);
+
+  // The brush's middle moved here: root space at rest, and the facet's normal there.
+  void moveTo(glm::vec3 rest, glm::vec3 normal);
+
+  bool touched() const { return touched_; }
+  pipeline::ByteImage image() const;
+  // The painted values at the vertices: mask in [0, 1], bias in [-1, 1]. Empty for directions.
+  std::vector<float> vertexValues(const AssetView& asset) const;
+
+ private:
+  void cover(glm::vec3 from, glm::vec3 to, glm::vec3 normal);
+
+  std::shared_ptr<const Canvas> canvas_;
+  std::shared_ptr<const pipeline::ByteImage> before_;
+  Painted kind_;
+  Brush brush_;
+  float radius_;
+  bool begun_ = false, touched_ = false;
+  glm::vec3 last_{0.0f};
+  std::vector<float> cover_;      // a texel of the canvas
+  std::vector<glm::vec2> along_;  // directions: of the image, a texel of the canvas
+};
+
+// A channel as an image of its own, at another size.
+pipeline::ByteImage planeOf(const pipeline::ByteImage& image, uint32_t channel, uint32_t size);
+
+// An image's channel at the vertices, bilinear; UVs repeat.
+std::vector<float> atVertices(const pipeline::ByteImage& image, uint32_t channel, const AssetView& asset);
+
+// Length of the diagonal of the bounding box at rest, root space.
+float diagonalOf(const AssetView& asset);
+
+// The file that a painted image of a layer is saved in, beside the recipe.
+std::filesystem::path paintedFile(const std::filesystem::path& recipe, const std::string& layer,
+                                  Painted kind);
+
+}  // namespace furrow::editor

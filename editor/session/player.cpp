@@ -1,0 +1,94 @@
+#include "editor/session/player.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
+
+#include "pipeline/arkit.h"
+#include "pipeline/scene/posing.h"
+
+namespace furrow::editor {
+namespace {
+
+const pipeline::Clip* clipNamed(const pipeline::Rig& rig, const std::string& name) {
+  const auto found = std::find_if(rig.clips.begin(), rig.clips.end(),
+                                  [&](const pipeline::Clip& clip) { return clip.name == name; });
+  return found == rig.clips.end() ? nullptr : &*found;
+}
+
+// The middle of the bounding box at rest, root space.
+glm::dvec3 middleOf(const AssetView& asset) {
+  glm::dvec3 low(1e300), high(-1e300);
+  for (const Part& part : asset.parts)
+    for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v) {
+      const Float3 p = transformed(part.rest, asset.positions[v]);
+      low = glm::min(low, glm::dvec3(p.x, p.y, p.z));
+      high = glm::max(high, glm::dvec3(p.x, p.y, p.z));
+    }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+double Player::duration(const pipeline::Rig& rig) const {
+  double longest = breathing.on ? double{breathing.period} : 0.0;
+  if (const pipeline::Clip* playing_clip = clipNamed(rig, clip))
+    longest = std::max(longest, playing_clip->duration);
+  if (take) longest = std::max(longest, take->times.back());
+  return longest;
+}
+
+void Player::advance(const pipeline::Rig& rig, double seconds) {
+  const double length = duration(rig);
+  if (!playing || length <= 0.0) return;
+  time += seconds * double{speed};
+  if (time >= 0.0 && time < length) return;
+  if (loop) {
+    time = std::fmod(time, length);
+    if (time < 0.0) time += length;
+  } else {
+    time = std::clamp(time, 0.0, length);
+    playing = false;
+  }
+}
+
+pipeline::Pose Player::pose(const pipeline::Rig& rig) const {
+  pipeline::Pose pose = pipeline::defaultPose(rig);
+  if (const pipeline::Clip* shown = clipNamed(rig, clip)) pipeline::applyClip(rig, *shown, time, pose);
+  if (take) {
+    std::vector<std::string> names;
+    for (const pipeline::MorphTarget& target : rig.morphs) names.push_back(target.name);
+    const std::vector<float> weights = take->at(time);
+    for (size_t s = 0; s < weights.size(); ++s)
+      for (size_t m : pipeline::matchShape(names, take->shapes[s]))
+        pose.morph_weights[m] = double{weights[s]};
+  }
+  for (size_t m = 0; m < rig.morphs.size(); ++m)
+    if (const auto held = morphs.find(rig.morphs[m].name); held != morphs.end())
+      pose.morph_weights[m] = double{held->second};
+  return pose;
+}
+
+preview::PosedFrame Player::frame(const preview::LoadedAsset& loaded) const {
+  const AssetView& asset = loaded.asset.view();
+  pipeline::PosedRig posed = pipeline::evaluate(loaded.rig, pose(loaded.rig));
+  if (breathing.on) {
+    const double grown = 1.0 + double{breathing.amplitude} *
+                                   std::sin(2.0 * std::numbers::pi * time / double{breathing.period});
+    const glm::dvec3 middle = middleOf(asset);
+    glm::dvec3 scale(1.0);
+    for (int axis = 0; axis < 3; ++axis)
+      if (breathing.axes[axis]) scale[axis] = grown;
+    const glm::dmat4 breath =
+        glm::translate(glm::scale(glm::translate(glm::dmat4(1.0), middle), scale), -middle);
+    for (glm::dmat4& matrix : posed.palette) matrix = breath * matrix;
+  }
+  std::vector<float> scripted(asset.layerCount(), 0.0f);
+  for (uint32_t l = 0; l < asset.layerCount(); ++l)
+    if (const auto held = regions.find(std::string(asset.layers[l].name)); held != regions.end())
+      scripted[l] = held->second;
+  return preview::poseFrame(asset, posed, scripted, 1.0f);
+}
+
+}  // namespace furrow::editor

@@ -1,0 +1,98 @@
+#pragma once
+
+// One editing session without a screen: what is open, what is cooked from it, what moves it, and what went
+// wrong. update() is called once a frame; nothing here waits.
+
+#include <functional>
+
+#include "editor/document/document.h"
+#include "editor/session/cook_worker.h"
+#include "editor/session/file_watch.h"
+#include "editor/session/player.h"
+#include "editor/session/posed_surface.h"
+
+namespace furrow::editor {
+
+struct Message {
+  enum class Kind : uint8_t { kNote, kWarning, kError };
+  Kind kind = Kind::kNote;
+  std::string text;  // one line
+};
+
+// An asset with what is worked out from it once.
+struct Shown {
+  explicit Shown(std::shared_ptr<const preview::LoadedAsset> asset)
+      : loaded(std::move(asset)), surface(loaded->asset.view()) {}
+  const AssetView& view() const { return loaded->asset.view(); }
+
+  std::shared_ptr<const preview::LoadedAsset> loaded;
+  PosedSurface surface;
+};
+
+class Session {
+ public:
+  // Opens an asset to look at, a source with the recipe that lies beside it under the same name (or the
+  // default one), or a recipe with the source of its name. What cannot be opened is told in messages() and
+  // leaves everything as it was; the cook goes on in the background.
+  void open(const std::filesystem::path& file);
+  void open(const std::filesystem::path& source, const std::filesystem::path& recipe);
+  void close();
+
+  void update(double seconds);  // of the clock since the last update
+
+  const std::filesystem::path& source() const { return source_; }  // or the asset; empty: nothing is open
+  bool editable() const { return editable_; }                      // a source, not a cooked asset
+  Document document;
+  Player player;
+
+  // The last asset that was cooked without a fault; null before the first.
+  const std::shared_ptr<Shown>& shown() const { return shown_; }
+  const pipeline::Recipe& resolved() const { return resolved_; }  // of shown(), all worked out
+  const pipeline::CookReport& report() const { return report_; }
+  bool cooking() const { return worker_.busy(); }
+  std::string stage() const { return worker_.stage(); }
+  // Why what is shown is not what the document says; empty: it is, or will be.
+  const std::string& error() const { return error_; }
+
+  // Another asset or recipe for the same source, to compare with; its faults are messages.
+  void compareWith(const std::filesystem::path& file);
+  void endComparison();
+  const std::filesystem::path& compared() const { return compared_; }
+  const std::shared_ptr<Shown>& comparison() const { return comparison_; }
+
+  // Responses for shown(): those of the document where a layer of this name has lambda and beta given.
+  std::vector<Response> responses(const Shown& of) const;
+
+  void save(const std::filesystem::path& recipe);  // of the document; faults are messages
+  void cookTo(const std::filesystem::path& asset);
+  // The recipe changed on disk while edits were not saved; reload() drops them.
+  bool conflict() const { return conflict_; }
+  void reload();
+  void keep() { conflict_ = false; }
+
+  const std::vector<Message>& messages() const { return messages_; }
+  void tell(Message::Kind kind, const std::string& text);
+  void clearMessages() { messages_.clear(); }
+
+ private:
+  void request();
+  void takeResults();
+  void lookAtFiles();
+  void watchFiles();
+
+  std::filesystem::path source_, compared_;
+  bool editable_ = false, conflict_ = false, reread_ = false;
+  std::shared_ptr<Shown> shown_, comparison_;
+  pipeline::Recipe resolved_;
+  pipeline::CookReport report_;
+  std::string error_;
+  std::vector<Message> messages_;
+  std::vector<std::filesystem::path> dependencies_;
+  FileWatch watch_;
+  double since_look_ = 0.0;
+  uint64_t number_ = 0, wanted_ = 0;  // of requests
+  Content asked_;                     // what the last request was for
+  CookWorker worker_, comparer_;
+};
+
+}  // namespace furrow::editor

@@ -1,0 +1,811 @@
+#include "editor/ui/editor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "editor/ui/layer_panel.h"
+#include "editor/ui/play_panel.h"
+#include "editor/ui/widgets.h"
+#include "pipeline/error.h"
+
+namespace furrow::editor::ui {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+const std::vector<std::string> kMeshes = {".glb", ".gltf", ".obj",  ".ply",
+                                          ".stl", ".off",  ".json", ".furrow"};
+
+// A window in a fixed place; end with ImGui::End().
+bool beginPanel(const char* name, ImVec2 low, ImVec2 size, ImGuiWindowFlags more = 0) {
+  ImGui::SetNextWindowPos(low);
+  ImGui::SetNextWindowSize(size);
+  return ImGui::Begin(name, nullptr, kPanel | more);
+}
+
+// Where the samples are made: the user's cache.
+fs::path sampleFolder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  const fs::path base = cache && *cache ? fs::path(cache)
+                        : home          ? fs::path(home) / ".cache"
+                                        : fs::temp_directory_path();
+  return base / "furrow" / "samples";
+}
+
+}  // namespace
+
+Editor::Editor(Session& session, Settings& settings) : state_(session, settings) {
+  for (Look& look : state_.looks) look.tier = settings.tier;
+  state_.looks[1].shading = 3;
+  makeActions();
+}
+
+void Editor::makeActions() {
+  State& s = state_;
+  const auto is_open = [&s] { return s.session.shown() != nullptr; };
+  const auto editable = [&s] { return s.session.editable(); };
+  const auto view = [&s](int index) { return [&s, index] { s.looks[0].view = index; }; };
+  const auto viewed = [&s](int index) { return [&s, index] { return s.looks[0].view == index; }; };
+  const auto tool = [&s](Tool to) {
+    return [&s, to] {
+      s.tool = to;
+      if (to == Tool::kBias) s.looks[0].view = static_cast<int>(preview::View::kBias);
+      if (to == Tool::kMask) s.looks[0].view = static_cast<int>(preview::View::kMask);
+      if (to == Tool::kComb || to == Tool::kGuide)
+        s.looks[0].view = static_cast<int>(preview::View::kDirection);
+      if (to == Tool::kLook) s.looks[0].view = 0;
+    };
+  };
+  const auto uses = [&s](Tool of) { return [&s, of] { return s.tool == of; }; };
+  const auto turned = [&s](float yaw, float pitch) {
+    return [&s, yaw, pitch] {
+      s.camera.yaw = yaw;
+      s.camera.pitch = pitch;
+    };
+  };
+  const auto orbit = [&s](float yaw, float pitch) {
+    return [&s, yaw, pitch] {
+      s.camera.yaw = std::remainder(s.camera.yaw + yaw, 360.0f);
+      s.camera.pitch = std::clamp(s.camera.pitch + pitch, -89.0f, 89.0f);
+    };
+  };
+  const auto zoom = [&s](float by) { return [&s, by] { s.camera.distance *= by; }; };
+  actions_ = {
+      {"file.open",
+       "File",
+       "Open ...",
+       {'O', true, false},
+       "Open a mesh, a recipe or a cooked asset",
+       [&s] { s.dialog = Dialog::kOpen; }},
+      {"file.save",
+       "File",
+       "Save recipe",
+       {'S', true, false},
+       "Write the recipe and its painted images",
+       [&s] { s.session.save(s.session.document.file()); },
+       editable,
+       {},
+       true},
+      {"file.save_as",
+       "File",
+       "Save recipe as ...",
+       {'S', true, true},
+       "Write the recipe under another name",
+       [&s] { s.dialog = Dialog::kSaveAs; },
+       editable},
+      {"file.cook",
+       "File",
+       "Cook asset ...",
+       {'K', true, false},
+       "Cook the .furrow asset as 'furrow cook' does, in the background",
+       [&s] { s.dialog = Dialog::kCookTo; },
+       editable},
+      {"file.image",
+       "File",
+       "Save picture ...",
+       {'P', true, false},
+       "Write what the view shows as a PNG file",
+       [&s] { s.dialog = Dialog::kImage; },
+       is_open,
+       {},
+       true},
+      {"file.turntable",
+       "File",
+       "Turntable frames ...",
+       {},
+       "Write a whole turn of the character as numbered PNG files",
+       [this, &s] {
+         files_.open("Turntable frames into folder", s.settings.folder, {}, true,
+                     [this, &s](const fs::path& folder) { share_.startTurntable(s, folder); });
+       },
+       is_open},
+      {"file.clip",
+       "File",
+       "Clip frames ...",
+       {},
+       "Write what plays as numbered PNG files",
+       [this, &s] {
+         files_.open("Clip frames into folder", s.settings.folder, {}, true,
+                     [this, &s](const fs::path& folder) { share_.startClip(s, folder); });
+       },
+       [&s] { return s.session.shown() && s.session.player.duration(s.session.shown()->loaded->rig) > 0.0; }},
+      {"file.quit",
+       "File",
+       "Quit",
+       {'Q', true, false},
+       "Leave; unsaved work is asked about",
+       [this] { askToQuit(); },
+       [] { return true; },
+       {},
+       true},
+
+      {"edit.undo",
+       "Edit",
+       "Undo",
+       {'Z', true, false},
+       "Take the last edit back",
+       [&s] { s.session.document.undo(); },
+       [&s] { return !s.session.document.undoName().empty(); }},
+      {"edit.redo",
+       "Edit",
+       "Redo",
+       {'Z', true, true},
+       "Make the edit again that was taken back",
+       [&s] { s.session.document.redo(); },
+       [&s] { return !s.session.document.redoName().empty(); }},
+      {"tool.look",
+       "Edit",
+       "Look",
+       {'Q', false, false},
+       "Left drag orbits",
+       tool(Tool::kLook),
+       [] { return true; },
+       uses(Tool::kLook),
+       true},
+      {"tool.bias",
+       "Edit",
+       "Paint rest bias",
+       {'B', false, false},
+       "Paint where wrinkles are there at rest, or never",
+       tool(Tool::kBias),
+       editable,
+       uses(Tool::kBias)},
+      {"tool.mask",
+       "Edit",
+       "Paint mask",
+       {'M', false, false},
+       "Paint how far the selected layer reaches",
+       tool(Tool::kMask),
+       editable,
+       uses(Tool::kMask)},
+      {"tool.comb",
+       "Edit",
+       "Comb directions",
+       {'D', false, false},
+       "Stroke along the creases you want",
+       tool(Tool::kComb),
+       editable,
+       uses(Tool::kComb)},
+      {"tool.guide",
+       "Edit",
+       "Draw guides",
+       {'G', false, false},
+       "Draw curves along the creases; the direction follows them",
+       tool(Tool::kGuide),
+       editable,
+       uses(Tool::kGuide)},
+      {"brush.mirror",
+       "Edit",
+       "Mirror strokes",
+       {'X', false, false},
+       "Paint on the other side (-x) too",
+       [&s] { s.brush.mirror = !s.brush.mirror; },
+       editable,
+       [&s] { return s.brush.mirror; }},
+      {"brush.erase",
+       "Edit",
+       "Erase",
+       {'E', false, false},
+       "Strokes take away; or hold Ctrl",
+       [&s] { s.brush.erase = !s.brush.erase; },
+       editable,
+       [&s] { return s.brush.erase; }},
+      {"brush.smaller",
+       "",
+       "",
+       {'[', false, false},
+       "Smaller brush",
+       [&s] { s.brush.size = std::max(0.002f, s.brush.size / 1.2f); }},
+      {"brush.larger",
+       "",
+       "",
+       {']', false, false},
+       "Larger brush",
+       [&s] { s.brush.size = std::min(0.5f, s.brush.size * 1.2f); }},
+
+      {"view.beauty",
+       "View",
+       "Beauty",
+       {'1', false, false},
+       "The lit surface with its wrinkles",
+       view(0),
+       is_open,
+       viewed(0)},
+      {"view.weight",
+       "View",
+       "Weight",
+       {'2', false, false},
+       "Weight of the selected layer: red squeezed, blue stretched",
+       view(1),
+       is_open,
+       viewed(1)},
+      {"view.direction",
+       "View",
+       "Direction",
+       {'3', false, false},
+       "Strokes across the creases of the selected layer",
+       view(2),
+       is_open,
+       viewed(2)},
+      {"view.point",
+       "View",
+       "Points",
+       {'4', false, false},
+       "A colour a point: seams that are not welded light up",
+       view(3),
+       is_open,
+       viewed(3)},
+      {"view.mask",
+       "View",
+       "Mask",
+       {'5', false, false},
+       "How far the selected layer reaches",
+       view(4),
+       is_open,
+       viewed(4)},
+      {"view.bias",
+       "View",
+       "Bias",
+       {'6', false, false},
+       "Rest bias of the selected layer",
+       view(5),
+       is_open,
+       viewed(5)},
+      {"view.confidence",
+       "View",
+       "Confidence",
+       {'7', false, false},
+       "How sure the direction is",
+       view(6),
+       is_open,
+       viewed(6)},
+      {"view.morph",
+       "View",
+       "Morphs",
+       {'8', false, false},
+       "How far morph targets move each place",
+       view(7),
+       is_open,
+       viewed(7)},
+      {"view.uv",
+       "View",
+       "UV layout",
+       {'9', false, false},
+       "The charts in UV space; those of the selected layer are bright",
+       view(8),
+       is_open,
+       viewed(8)},
+      {"view.split",
+       "View",
+       "Split screen",
+       {'W', false, false},
+       "Two settings side by side with a divider to drag",
+       [&s] { s.split = !s.split; },
+       is_open,
+       [&s] { return s.split; },
+       true},
+      {"view.compare",
+       "View",
+       "Compare with file ...",
+       {},
+       "Another asset, or another recipe for this mesh, on the right side",
+       [&s] { s.dialog = Dialog::kCompare; },
+       is_open},
+      {"view.all",
+       "View",
+       "Frame all",
+       {'A', false, false},
+       "Move the camera so that everything is seen",
+       [this] {
+         if (frame_) viewport_.frameAll(state_, *frame_);
+       },
+       is_open,
+       {},
+       true},
+      {"view.selected",
+       "View",
+       "Frame layer",
+       {'F', false, false},
+       "Move the camera to where the selected layer reaches",
+       [this] {
+         if (frame_) viewport_.frameLayer(state_, *frame_);
+       },
+       is_open},
+      {"view.front",
+       "View",
+       "From the front",
+       {'T', false, false},
+       "Camera at the front",
+       turned(0, 0),
+       is_open},
+      {"view.side",
+       "View",
+       "From the side",
+       {'R', false, false},
+       "Camera at the character's left",
+       turned(90, 0),
+       is_open},
+      {"view.lights",
+       "View",
+       "Lights back",
+       {'L', false, false},
+       "Lights as at the start; right drag in the view turns them",
+       [&s] { s.light_yaw = 0.0f; },
+       is_open},
+      {"view.left",
+       "View",
+       "Layer panel",
+       {},
+       "Show or hide the panel on the left",
+       [&s] { s.settings.show_left = !s.settings.show_left; },
+       [] { return true; },
+       [&s] { return s.settings.show_left; },
+       true},
+      {"view.right",
+       "View",
+       "Slider panel",
+       {},
+       "Show or hide the panel on the right",
+       [&s] { s.settings.show_right = !s.settings.show_right; },
+       [] { return true; },
+       [&s] { return s.settings.show_right; }},
+      {"view.problems",
+       "View",
+       "Messages",
+       {'J', true, false},
+       "Show or hide what went wrong and what there is to know",
+       [&s] { s.problems_shown = !s.problems_shown; },
+       [] { return true; },
+       [&s] { return s.problems_shown; }},
+
+      {"play.play",
+       "Play",
+       "Play / pause",
+       {key::kSpace, false, false},
+       "Play or pause the clip",
+       [&s] { s.session.player.playing = !s.session.player.playing; },
+       is_open},
+      {"play.start",
+       "Play",
+       "To the start",
+       {key::kHome, false, false},
+       "Back to 0 s",
+       [&s] { s.session.player.time = 0.0; },
+       is_open},
+      {"play.loop",
+       "Play",
+       "Loop",
+       {},
+       "Begin again at the end",
+       [&s] { s.session.player.loop = !s.session.player.loop; },
+       is_open,
+       [&s] { return s.session.player.loop; }},
+      {"play.back",
+       "Play",
+       "Step back",
+       {',', false, false},
+       "A frame of 1/30 s back",
+       [&s] { s.session.player.time = std::max(0.0, s.session.player.time - 1.0 / 30.0); },
+       is_open},
+      {"play.forth",
+       "Play",
+       "Step forward",
+       {'.', false, false},
+       "A frame of 1/30 s on",
+       [&s] {
+         Player& player = s.session.player;
+         player.time = std::min(player.duration(s.session.shown()->loaded->rig), player.time + 1.0 / 30.0);
+       },
+       is_open},
+
+      {"help.keys",
+       "Help",
+       "Keys and mouse",
+       {key::kF1, false, false},
+       "Every key and what the mouse does",
+       [&s] { s.keys_shown = true; }},
+
+      {"camera.left", "", "", {key::kLeft, false, false}, "Orbit to the left", orbit(-5, 0), is_open},
+      {"camera.right", "", "", {key::kRight, false, false}, "Orbit to the right", orbit(5, 0), is_open},
+      {"camera.up", "", "", {key::kUp, false, false}, "Orbit upwards", orbit(0, 5), is_open},
+      {"camera.down", "", "", {key::kDown, false, false}, "Orbit downwards", orbit(0, -5), is_open},
+      {"camera.in", "", "", {'=', false, false}, "Zoom in", zoom(1.0f / 1.15f), is_open},
+      {"camera.out", "", "", {'-', false, false}, "Zoom out", zoom(1.15f), is_open},
+  };
+}
+
+void Editor::open(const fs::path& file) {
+  state_.leaving = [this, file] {
+    const size_t before = state_.session.messages().size();
+    state_.session.open(file);
+    const std::vector<Message>& messages = state_.session.messages();
+    const bool failed =
+        std::any_of(messages.begin() + static_cast<std::ptrdiff_t>(std::min(before, messages.size())),
+                    messages.end(), [](const Message& m) { return m.kind == Message::Kind::kError; });
+    if (failed) return;
+    state_.settings.opened(file);
+    state_.framed = false;
+    state_.split = false;
+    state_.tool = Tool::kLook;
+    state_.looks[0].view = 0;
+    state_.camera = {};
+    viewport_.release();
+    keepSelection();
+  };
+}
+
+void Editor::askToQuit() {
+  state_.leaving = [this] { state_.quit = true; };
+}
+
+bool Editor::busy() const {
+  return state_.session.cooking() || state_.session.player.playing || share_.running() || state_.scripted;
+}
+
+std::string Editor::title() const {
+  const Session& session = state_.session;
+  if (session.source().empty()) return "furrow";
+  return session.source().filename().string() + (session.document.dirty() ? " *" : "") + " - furrow";
+}
+
+// The selected layer is one that there is.
+void Editor::keepSelection() {
+  if (state_.session.editable()) {
+    const auto& layers = state_.session.document.recipe().layers;
+    if (state_.documentLayer() == pipeline::kNoIndex && !layers.empty()) state_.layer = layers.front().name;
+  } else if (state_.session.shown() && state_.assetLayer(*state_.session.shown()) == pipeline::kNoIndex &&
+             state_.session.shown()->view().layerCount() > 0) {
+    state_.layer = state_.session.shown()->view().layers.front().name;
+  }
+}
+
+void Editor::openSample(const char* name) {
+  const fs::path folder = sampleFolder(), file = folder / (std::string(name) + ".glb");
+  std::error_code error;
+  if (!fs::exists(file, error)) {
+    // The program that makes them lies beside this one.
+    const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path() / "furrow_content";
+    fs::create_directories(folder, error);
+    const std::string command = "'" + program.string() + "' '" + folder.string() + "'";
+    if (!fs::exists(program, error) || std::system(command.c_str()) != 0) {
+      state_.session.tell(
+          Message::Kind::kError,
+          program.string() + ": the samples cannot be made: put furrow_content beside the editor");
+      state_.problems_shown = true;
+      return;
+    }
+  }
+  open(file);
+}
+
+void Editor::frame(double seconds) {
+  beginFrame();
+  Session& session = state_.session;
+  session.update(seconds);
+  keepSelection();
+  frame_.reset();
+  if (session.shown()) frame_ = session.player.frame(*session.shown()->loaded);
+  if (share_.running()) share_.step(state_, viewport_);
+  runKeys(actions_);
+
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  drawMenuBar();
+  const float top = ImGui::GetFrameHeight();
+  const float tools = ImGui::GetFrameHeight() + 2.0f * ImGui::GetStyle().WindowPadding.y;
+  const float status = ImGui::GetFrameHeight();
+  const float line = tools;
+  const float problems = state_.problems_shown ? std::min(9.0f * em(), 0.3f * screen.y) : 0.0f;
+  const bool panels = !session.source().empty();
+  const float left = panels && state_.settings.show_left ? std::min(21.5f * em(), 0.3f * screen.x) : 0.0f;
+  const float right = panels && state_.settings.show_right ? std::min(21.5f * em(), 0.3f * screen.x) : 0.0f;
+  const float bottom = panels ? line : 0.0f;
+  const float body_top = top + (panels ? tools : 0.0f) + 1.0f;
+  const float body = screen.y - body_top - status - 1.0f;
+  if (panels) {
+    beginPanel("Tools", {0, top}, {screen.x, tools});
+    drawToolbar();
+    ImGui::End();
+  }
+  if (left > 0.0f) {
+    beginPanel("Layers", {0, body_top}, {left - 1.0f, body});
+    drawLayerPanel(state_, frame_ ? &*frame_ : nullptr);
+    ImGui::End();
+  }
+  if (right > 0.0f) {
+    beginPanel("Sliders", {screen.x - right + 1.0f, body_top}, {right - 1.0f, body});
+    drawPlayPanel(state_, frame_ ? &*frame_ : nullptr);
+    ImGui::End();
+  }
+  const float middle = screen.x - left - right;
+  if (bottom > 0.0f) {
+    beginPanel("Timeline", {left, body_top + body - bottom}, {middle, bottom});
+    drawTimeline(state_);
+    ImGui::End();
+  }
+  if (problems > 0.0f) {
+    beginPanel("Messages", {left, body_top + body - bottom - problems}, {middle, problems - 1.0f});
+    drawProblems(state_);
+    ImGui::End();
+  }
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  beginPanel("View", {left, body_top}, {middle, body - bottom - problems - 1.0f},
+             ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoNavInputs);
+  ImGui::PopStyleVar();
+  if (panels)
+    viewport_.draw(state_, frame_ ? &*frame_ : nullptr);
+  else
+    drawFirstStart(
+        state_, [this](const fs::path& file) { open(file); }, [this](const char* name) { openSample(name); });
+  drawBanner(ImGui::GetWindowPos(), middle);
+  ImGui::End();
+  beginPanel("Status", {0, screen.y - status}, {screen.x, status});
+  drawStatus();
+  ImGui::End();
+  drawDialogs();
+
+  // An error opens the list once.
+  const std::vector<Message>& messages = session.messages();
+  for (; told_ < messages.size(); ++told_)
+    if (messages[told_].kind == Message::Kind::kError) state_.problems_shown = true;
+  told_ = messages.size();
+  if (!ImGui::IsAnyItemActive()) session.document.endGesture();
+}
+
+void Editor::drawMenuBar() {
+  if (!ImGui::BeginMainMenuBar()) return;
+  drawMenus(actions_);
+  const std::string name = title();
+  const float width = ImGui::CalcTextSize(name.c_str()).x;
+  ImGui::SameLine(ImGui::GetWindowWidth() - width - em());
+  ImGui::TextDisabled("%s", name.c_str());
+  ImGui::EndMainMenuBar();
+}
+
+void Editor::drawToolbar() {
+  constexpr std::pair<const char*, const char*> kTools[] = {{"tool.look", "Look"},
+                                                            {"tool.bias", "Bias"},
+                                                            {"tool.mask", "Mask"},
+                                                            {"tool.comb", "Comb"},
+                                                            {"tool.guide", "Guide"}};
+  for (const auto& [id, label] : kTools) {
+    if (id != kTools[0].first) ImGui::SameLine(0.0f, 3.0f);
+    actionButton(actions_, id, label);
+  }
+  ImGui::SameLine(0.0f, 1.4f * em());
+  drawTools();
+  // From here on aligned to the right.
+  const float wide = state_.split ? 47.5f : 25.5f;
+  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowWidth() - wide * em()));
+  for (int side = 0; side < (state_.split ? 2 : 1); ++side) {
+    Look& look = state_.looks[side];
+    const std::string name = side == 0 ? "look" : "look2";
+    if (side == 1) ImGui::SameLine(0.0f, 1.2f * em());
+    const auto combo = [&](const char* part, int& value, std::span<const char* const> names, float width,
+                           const char* tip) {
+      const std::string id = name + "." + part;
+      ImGui::SetNextItemWidth(width * em());
+      if (ImGui::BeginCombo(("##" + id).c_str(), names[static_cast<size_t>(value)])) {
+        for (int i = 0; i < static_cast<int>(names.size()); ++i) {
+          if (ImGui::Selectable(names[static_cast<size_t>(i)], i == value)) value = i;
+          mark((id + "." + names[static_cast<size_t>(i)]).c_str());
+        }
+        ImGui::EndCombo();
+      } else {
+        mark(id.c_str());
+        tooltip(tip);
+      }
+    };
+    combo("view", look.view, kViewNames, 6.6f, "What the view shows  (1 to 9)");
+    ImGui::SameLine(0.0f, 3.0f);
+    ImGui::BeginDisabled(look.view != 0);
+    combo("shading", look.shading, kShadingNames, 7.6f,
+          "How wrinkles are drawn: Larsson's three methods, or not at all");
+    ImGui::EndDisabled();
+    ImGui::SameLine(0.0f, 3.0f);
+    constexpr const char* kTiers[] = {"auto", "gpu", "gpu-raster", "cpu"};
+    int tier = 0;
+    for (int i = 0; i < 4; ++i)
+      if (look.tier == kTiers[i]) tier = i;
+    combo("tier", tier, kTiers, 5.6f,
+          "What computes the weights: compute shaders, geometry shaders, the CPU, or the first of these that "
+          "works");
+    if (look.tier != kTiers[tier]) {
+      look.tier = kTiers[tier];
+      if (side == 0) state_.settings.tier = look.tier;
+    }
+    if (side == 1 && state_.session.comparison()) {
+      ImGui::SameLine(0.0f, 3.0f);
+      if (toggle("look2.compared", "File", look.compared,
+                 "The right side shows the file that is compared with"))
+        look.compared = !look.compared;
+    }
+  }
+  ImGui::SameLine(0.0f, 1.2f * em());
+  actionButton(actions_, "view.split", "Split");
+}
+
+void Editor::drawTools() {
+  if (state_.tool == Tool::kLook) {
+    actionButton(actions_, "view.all", "All");
+    ImGui::SameLine(0.0f, 3.0f);
+    actionButton(actions_, "view.selected", "Layer");
+    return;
+  }
+  Brush& brush = state_.brush;
+  const auto small_slider = [](const char* id, float& value, float low, float high, const char* format,
+                               float width, const char* tip, ImGuiSliderFlags flags = 0) {
+    ImGui::SetNextItemWidth(width * em());
+    ImGui::SliderFloat((std::string("##") + id).c_str(), &value, low, high, format,
+                       flags | ImGuiSliderFlags_AlwaysClamp);
+    mark(id);
+    tooltip(tip);
+    ImGui::SameLine(0.0f, 3.0f);
+  };
+  if (state_.tool != Tool::kGuide) {
+    float percent = 100.0f * brush.size;
+    small_slider("brush.size", percent, 0.2f, 50.0f, "size %.1f%%", 6.6f,
+                 "Radius of the brush in % of the character's size, 0.2 to 50  ([ and ], Ctrl + wheel)",
+                 ImGuiSliderFlags_Logarithmic);
+    brush.size = 0.01f * percent;
+    small_slider("brush.strength", brush.strength, 0.01f, 1.0f, "strength %.2f", 7.2f,
+                 "How far one stroke goes towards what it paints, 0.01 to 1");
+    small_slider("brush.falloff", brush.falloff, 0.0f, 1.0f, "soft %.2f", 5.6f,
+                 "The part of the radius over which the brush fades: 0 a hard edge, 1 soft all over");
+  }
+  if (state_.tool == Tool::kBias)
+    small_slider("brush.bias", brush.bias, -1.0f, 1.0f, "bias %+.2f", 6.4f,
+                 "The weight that strokes add at rest: -1 keeps the place smooth, 1 fully creased");
+  actionButton(actions_, "brush.mirror", "Mirror");
+  ImGui::SameLine(0.0f, 3.0f);
+  actionButton(actions_, "brush.erase", "Erase");
+}
+
+void Editor::drawBanner(ImVec2 low, float width) {
+  const std::string& error = state_.session.error();
+  const bool cooking = state_.session.cooking() && !state_.session.source().empty();
+  if (error.empty() && !(cooking && !state_.session.shown())) return;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float pad = 0.6f * em();
+  const std::string text =
+      !error.empty() ? error + "   (what you see is from before)" : "Cooking: " + state_.session.stage();
+  const float wrap = width - 4.0f * pad - 2.0f * em();
+  const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(em(), 1e9f, wrap, text.c_str());
+  const ImVec2 at = {low.x + 2.0f * pad, low.y + 2.6f * em()};
+  list->AddRectFilled({at.x - pad, at.y - 0.5f * pad},
+                      {at.x + std::min(size.x, wrap) + pad, at.y + size.y + 0.5f * pad},
+                      error.empty() ? IM_COL32(20, 21, 23, 220) : IM_COL32(92, 26, 22, 235), 4.0f);
+  list->AddText(ImGui::GetFont(), em(), at, Colors::kText, text.c_str(), nullptr, wrap);
+}
+
+void Editor::drawStatus() {
+  Session& session = state_.session;
+  ImGui::SetCursorPosY(0.5f * (ImGui::GetWindowHeight() - ImGui::GetTextLineHeight()));
+  if (session.source().empty()) {
+    ImGui::TextDisabled("No file is open");
+    return;
+  }
+  const std::string stage = session.stage();
+  if (session.cooking())
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(Colors::kAccent), "Cooking: %s",
+                       stage.empty() ? "waiting" : stage.c_str());
+  else if (!session.error().empty())
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(Colors::kRed), "Not cooked");
+  else
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(Colors::kGreen), "Up to date");
+  if (!session.shown()) return;
+  const AssetView& asset = session.shown()->view();
+  ImGui::SameLine(0.0f, 1.5f * em());
+  ImGui::TextDisabled("%u triangles, %u points, %u layers", asset.triangleCount(), asset.pointCount(),
+                      asset.layerCount());
+  mark("status.size");
+  ImGui::SameLine(0.0f, 1.5f * em());
+  const Drawn& drawn = state_.drawn[0];
+  ImGui::TextDisabled("%s", drawn.tier.c_str());
+  mark("status.tier");
+  tooltip(drawn.reason.c_str());
+  ImGui::SameLine(0.0f, 1.5f * em());
+  const preview::StageTimes& t = drawn.times;
+  const auto ms = [&](double value) { return state_.scripted ? 0.0 : value; };
+  ImGui::TextDisabled("deform %.2f  compress %.2f  smooth %.2f  respond %.2f  draw %.2f ms", ms(t.deform),
+                      ms(t.compress), ms(t.smooth), ms(t.respond), ms(t.draw));
+  mark("status.times");
+  tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
+  if (!session.messages().empty()) {
+    const Message& last = session.messages().back();
+    const std::string text = last.text.size() > 70 ? last.text.substr(0, 67) + "..." : last.text;
+    const float width = ImGui::CalcTextSize(text.c_str()).x + em();
+    ImGui::SameLine(std::max(ImGui::GetCursorPosX() + em(), ImGui::GetWindowWidth() - width));
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(last.kind == Message::Kind::kError     ? Colors::kRed
+                                                      : last.kind == Message::Kind::kWarning ? Colors::kAccent
+                                                                                             : Colors::kDim),
+                       "%s", text.c_str());
+    if (ImGui::IsItemClicked()) state_.problems_shown = !state_.problems_shown;
+    mark("status.message");
+    tooltip((last.text + "\n(click: all messages)").c_str());
+  }
+}
+
+void Editor::openDialog() {
+  Session& session = state_.session;
+  const fs::path recipe = session.document.file();
+  fs::path asset = recipe;
+  asset.replace_extension(".furrow");
+  const fs::path folder = session.source().empty() ? state_.settings.folder : session.source().parent_path();
+  switch (std::exchange(state_.dialog, Dialog::kNone)) {
+    case Dialog::kNone:
+      break;
+    case Dialog::kOpen:
+      files_.open("Open", folder, kMeshes, false, [this](const fs::path& file) { open(file); });
+      break;
+    case Dialog::kSaveAs:
+      files_.open("Save recipe", recipe, {".json"}, true,
+                  [this](const fs::path& file) { state_.session.save(file); });
+      break;
+    case Dialog::kCookTo:
+      files_.open("Cook asset", asset, {".furrow"}, true,
+                  [this](const fs::path& file) { state_.session.cookTo(file); });
+      break;
+    case Dialog::kTake:
+      files_.open("Play take", folder, {".csv"}, false, [this](const fs::path& file) {
+        try {
+          state_.session.player.take = pipeline::readTake(file);
+          state_.session.player.take_name = file.filename().string();
+        } catch (const pipeline::Error& error) {
+          state_.session.tell(Message::Kind::kError, error.what());
+        }
+      });
+      break;
+    case Dialog::kCompare:
+      files_.open("Compare with", folder, kMeshes, false, [this](const fs::path& file) {
+        state_.session.compareWith(file);
+        state_.split = true;
+        state_.looks[1] = state_.looks[0];
+        state_.looks[1].compared = true;
+      });
+      break;
+    case Dialog::kImage:
+      files_.open("Save picture", folder / (session.source().stem().string() + ".png"), {".png"}, true,
+                  [this](const fs::path& file) {
+                    if (frame_) share_.saveImage(state_, viewport_, *frame_, file);
+                  });
+      break;
+    case Dialog::kFrames:
+      break;
+  }
+}
+
+void Editor::drawDialogs() {
+  openDialog();
+  files_.draw();
+  drawLeaving(state_);
+  drawConflict(state_);
+  drawKeys(state_, actions_);
+}
+
+}  // namespace furrow::editor::ui

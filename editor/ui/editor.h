@@ -1,0 +1,51 @@
+#pragma once
+
+// The editor's screen: one frame of the whole user interface between ImGui::NewFrame() and ImGui::Render().
+// Knows no window: a window (main.cpp) or a script (script.h) feeds the events.
+
+#include <optional>
+
+#include "editor/ui/actions.h"
+#include "editor/ui/dialogs.h"
+#include "editor/ui/share.h"
+#include "editor/ui/viewport.h"
+
+namespace furrow::editor::ui {
+
+class Editor {
+ public:
+  // Needs a current OpenGL 3.3 core context, as long as it lives.
+  Editor(Session& session, Settings& settings);
+
+  State& state() { return state_; }
+  void frame(double seconds);                    // since the last one
+  void open(const std::filesystem::path& file);  // asks about unsaved work first
+  void askToQuit();
+  bool quit() const { return state_.quit; }
+  bool sharing() const { return share_.running(); }
+  // Whether pictures change without any event: a window must not sleep.
+  bool busy() const;
+  std::string title() const;  // of the window
+
+ private:
+  void makeActions();
+  void drawMenuBar();
+  void drawToolbar();
+  void drawTools();
+  void drawStatus();
+  void drawBanner(ImVec2 low, float width);
+  void drawDialogs();
+  void openDialog();
+  void openSample(const char* name);
+  void keepSelection();
+
+  State state_;
+  std::vector<Action> actions_;
+  Viewport viewport_;
+  Share share_;
+  FileDialog files_;
+  std::optional<preview::PosedFrame> frame_;
+  size_t told_ = 0;  // messages already seen
+};
+
+}  // namespace furrow::editor::ui

@@ -1,0 +1,487 @@
+#include "editor/ui/layer_panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "editor/ui/widgets.h"
+#include "pipeline/arkit.h"
+
+namespace furrow::editor::ui {
+namespace {
+
+using pipeline::LayerRecipe;
+
+std::string unusedName(const pipeline::Recipe& recipe, const std::string& base) {
+  for (int i = 1;; ++i) {
+    const std::string name = i == 1 ? base : base + " " + std::to_string(i);
+    if (std::none_of(recipe.layers.begin(), recipe.layers.end(),
+                     [&](const LayerRecipe& layer) { return layer.name == name; }))
+      return name;
+  }
+}
+
+void drawList(State& state) {
+  Session& session = state.session;
+  const pipeline::Recipe& recipe = session.document.recipe();
+  const uint32_t selected = state.documentLayer();
+  const auto rows = static_cast<float>(std::clamp<size_t>(recipe.layers.size(), 3, 7));
+  const float padding = 0.4f * em();
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, IM_COL32(22, 23, 25, 255));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, padding});
+  ImGui::BeginChild("layers", {0.0f, rows * ImGui::GetTextLineHeightWithSpacing() + 2.0f * padding}, false,
+                    ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NavFlattened);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor();
+  for (size_t l = 0; l < recipe.layers.size(); ++l) {
+    const LayerRecipe& layer = recipe.layers[l];
+    const std::string id = "layer.select." + layer.name;
+    if (ImGui::Selectable(("  " + layer.name + "##" + id).c_str(), l == selected)) state.layer = layer.name;
+    mark(id.c_str());
+    tooltip("Select this layer: the panel below edits it, and the views of one layer show it");
+  }
+  ImGui::EndChild();
+
+  const auto reorder = [&](uint32_t from, uint32_t to, const char* what) {
+    Content content = session.document.content();
+    std::swap(content.recipe.layers[from], content.recipe.layers[to]);
+    session.document.apply(std::move(content), what);
+    session.document.endGesture();
+  };
+  const bool some = selected != pipeline::kNoIndex;
+  if (button("layer.add", "Add",
+             "Add a layer over everything, with directions from the animation (1 to 16 layers)",
+             recipe.layers.size() < kMaxLayers)) {
+    Content content = session.document.content();
+    LayerRecipe layer;
+    layer.name = unusedName(recipe, "wrinkles");
+    state.layer = layer.name;
+    content.recipe.layers.push_back(layer);
+    session.document.apply(std::move(content), "Add layer");
+    session.document.endGesture();
+    return;
+  }
+  ImGui::SameLine();
+  if (button("layer.copy", "Copy", "Add a layer like the selected one",
+             some && recipe.layers.size() < kMaxLayers)) {
+    Content content = session.document.content();
+    LayerRecipe layer = content.recipe.layers[selected];
+    layer.name = unusedName(recipe, layer.name);
+    state.layer = layer.name;
+    content.recipe.layers.insert(content.recipe.layers.begin() + selected + 1, layer);
+    session.document.apply(std::move(content), "Copy layer");
+    session.document.endGesture();
+    return;
+  }
+  ImGui::SameLine();
+  if (button("layer.remove", "Remove", "Remove the selected layer; a recipe keeps at least one",
+             some && recipe.layers.size() > 1)) {
+    Content content = session.document.content();
+    content.recipe.layers.erase(content.recipe.layers.begin() + selected);
+    state.layer = content.recipe.layers[std::min<size_t>(selected, content.recipe.layers.size() - 1)].name;
+    session.document.apply(std::move(content), "Remove layer");
+    session.document.endGesture();
+    return;
+  }
+  ImGui::SameLine();
+  if (button("layer.up", "\xe2\x96\xb2", "Move the layer up; the order is that of the asset's weights",
+             some && selected > 0))
+    return reorder(selected, selected - 1, "Move layer up");
+  ImGui::SameLine();
+  if (button("layer.down", "\xe2\x96\xbc", "Move the layer down; the order is that of the asset's weights",
+             some && selected + 1 < recipe.layers.size()))
+    reorder(selected, selected + 1, "Move layer down");
+}
+
+void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFrame* frame) {
+  if (!section("section.response", "Response", "How a squeeze becomes a weight")) return;
+  Session& session = state.session;
+  const Response* shown_response = &layer.response;
+  Response fitted;
+  std::vector<float> stretches;
+  if (session.shown()) {
+    const uint32_t index = state.assetLayer(*session.shown());
+    if (index != pipeline::kNoIndex) {
+      fitted = session.shown()->view().layers[index].response;
+      if (layer.fit) shown_response = &fitted;
+      if (frame) {
+        session.shown()->surface.pose(frame->input);
+        stretches = session.shown()->surface.stretches(index, frame->input.scale);
+      }
+    }
+  }
+  drawResponsePlot(*shown_response, layer.response.curve == Curve::kOat && !layer.fit, stretches);
+
+  bool fit = layer.fit.has_value();
+  if (checkbox(
+          "layer.fit", "Fit to clips", fit,
+          "Work lambda and beta out from the animation, so that 95% of the layer stay at or below a weight"))
+    state.edit(fit ? "Fit response" : "Keep response", [&](LayerRecipe& edited) {
+      if (fit)
+        edited.fit = 0.9;
+      else {
+        edited.fit.reset();
+        edited.response = *shown_response;
+      }
+      edited.response.curve = Curve::kLarsson;
+    });
+  if (layer.fit) {
+    float target = static_cast<float>(*layer.fit);
+    if (slider("layer.fit_weight", "Weight at 95%", target, 0.01f, 0.99f, "%.2f",
+               "The weight that 95% of the layer's area stay at or below under the clips, 0.01 to 0.99"))
+      state.edit("Weight of fit", [&](LayerRecipe& edited) { edited.fit = double{target}; });
+    char text[64];
+    std::snprintf(text, sizeof text, "lambda %.3g, beta %.3g", static_cast<double>(fitted.lambda),
+                  static_cast<double>(fitted.beta));
+    row("Fitted");
+    ImGui::TextDisabled("%s", text);
+    return;
+  }
+  if (layer.response.curve == Curve::kOat) {
+    ImGui::TextDisabled("Linear in the area (no lambda, no beta)");
+    if (button("layer.give_curve", "Give it lambda and beta",
+               "Use the curved response in place of the linear one"))
+      state.edit("Curved response", [](LayerRecipe& edited) { edited.response = Response{}; });
+    return;
+  }
+  Response response = layer.response;
+  const bool stretch_follows =
+      response.stretch_beta == response.beta && response.stretch_lambda == std::max(response.lambda, 1.0f);
+  bool changed =
+      slider("layer.lambda", "Onset (lambda)", response.lambda, 0.1f, 10.0f, "%.3f",
+             "The compression factor (length at rest / length, squared) at which wrinkles begin: below 1 at "
+             "rest, 1 at the slightest squeeze, above 1 later. 0.1 to 10, no unit; Ctrl+click to type",
+             ImGuiSliderFlags_Logarithmic);
+  changed |=
+      slider("layer.beta", "Steepness (beta)", response.beta, 0.25f, 32.0f, "%.2f",
+             "How steeply wrinkles grow with the squeeze: 1 soft, 4 usual, 16 a switch. 0.25 to 32, no unit; "
+             "Ctrl+click to type",
+             ImGuiSliderFlags_Logarithmic);
+  if (changed && stretch_follows) {
+    response.stretch_beta = response.beta;
+    response.stretch_lambda = std::max(response.lambda, 1.0f);
+  }
+  bool own = !stretch_follows;
+  if (checkbox("layer.own_stretch", "Own for stretch", own,
+               "Give the stretch map an onset and a steepness of its own")) {
+    response.stretch_beta = own ? response.beta * 1.5f : response.beta;
+    response.stretch_lambda = std::max(response.lambda, 1.0f);
+    changed = true;
+  }
+  if (own) {
+    changed |= slider("layer.stretch_lambda", "  Onset", response.stretch_lambda, 0.1f, 10.0f, "%.3f",
+                      "The same for the stretch map, which sees 1 / compression factor. 0.1 to 10, no unit",
+                      ImGuiSliderFlags_Logarithmic);
+    changed |= slider("layer.stretch_beta", "  Steepness", response.stretch_beta, 0.25f, 32.0f, "%.2f",
+                      "How steeply the stretch map comes. 0.25 to 32, no unit", ImGuiSliderFlags_Logarithmic);
+  }
+  if (changed)
+    state.edit("Response of " + layer.name, [&](LayerRecipe& edited) { edited.response = response; });
+}
+
+void drawDirection(State& state, const LayerRecipe& layer) {
+  if (!section("section.direction", "Direction", "Which way a squeeze raises wrinkles: across the creases"))
+    return;
+  constexpr const char* kNames[] = {"Animation",   "Axis",        "Attribute", "Painted / flow image",
+                                    "Wrinkle map", "Guide curves"};
+  const size_t now = std::holds_alternative<pipeline::DirectionAnimation>(layer.direction)   ? 0
+                     : std::holds_alternative<pipeline::DirectionAxis>(layer.direction)      ? 1
+                     : std::holds_alternative<pipeline::DirectionAttribute>(layer.direction) ? 2
+                     : std::holds_alternative<pipeline::DirectionTexture>(layer.direction)   ? 3
+                     : std::holds_alternative<pipeline::DirectionMap>(layer.direction)       ? 4
+                                                                                             : 5;
+  int index = static_cast<int>(now);
+  if (choice(
+          "layer.direction", "From", index, kNames,
+          "Where the direction comes from: the squeeze of all clips and morph targets, one axis, a vertex "
+          "attribute, an image combed with the comb tool, the layer's own wrinkle map, or curves drawn with "
+          "the guide tool along the creases")) {
+    if (index == 3 || index == 5) {
+      state.tool = index == 3 ? Tool::kComb : Tool::kGuide;  // there is none until something is drawn
+    } else {
+      state.edit("Direction of " + layer.name, [&](LayerRecipe& edited) {
+        if (index == 0) edited.direction = pipeline::DirectionAnimation{};
+        if (index == 1) edited.direction = pipeline::DirectionAxis{{0, 1, 0}};
+        if (index == 2) edited.direction = pipeline::DirectionAttribute{"_DIRECTION"};
+        if (index == 4) edited.direction = pipeline::DirectionMap{};
+      });
+    }
+  }
+  if (const auto* axis = std::get_if<pipeline::DirectionAxis>(&layer.direction)) {
+    float v[3] = {static_cast<float>(axis->axis[0]), static_cast<float>(axis->axis[1]),
+                  static_cast<float>(axis->axis[2])};
+    row("Axis x y z");
+    const bool used = ImGui::InputFloat3("##layer.axis", v, "%.2f");
+    mark("layer.axis");
+    tooltip("Direction across the creases in the scene root's space; any length but 0");
+    const float length = std::hypot(v[0], v[1], v[2]);
+    if (used && length > 1e-6f)
+      state.edit("Axis of " + layer.name, [&](LayerRecipe& edited) {
+        edited.direction =
+            pipeline::DirectionAxis{{double{v[0] / length}, double{v[1] / length}, double{v[2] / length}}};
+      });
+  } else if (const auto* attribute = std::get_if<pipeline::DirectionAttribute>(&layer.direction)) {
+    std::string name = attribute->name;
+    if (field("layer.direction_attribute", "Attribute", name,
+              "Name of a vertex attribute of 3 components that holds the direction") &&
+        !name.empty())
+      state.edit("Direction of " + layer.name,
+                 [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionAttribute{name}; });
+  } else if (const auto* texture = std::get_if<pipeline::DirectionTexture>(&layer.direction)) {
+    row("Image");
+    ImGui::TextDisabled("%s", texture->texture.filename().string().c_str());
+  } else if (const auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction)) {
+    row("Curves");
+    if (guides->lines.empty())
+      ImGui::TextDisabled("%zu drawn", guides->curves.size());
+    else
+      ImGui::TextDisabled("lines \"%s\"", guides->lines.c_str());
+  }
+  constexpr const char* kMeasures[] = {"Directional", "Area", "Principal", "None (scripted)"};
+  int measure = static_cast<int>(layer.measure);
+  if (choice("layer.measure", "Measure", measure, kMeasures,
+             "How squeeze is measured: along the direction, by area, by the smallest stretch in any "
+             "direction, or "
+             "not at all (only drivers and the game move the layer)"))
+    state.edit("Measure of " + layer.name,
+               [&](LayerRecipe& edited) { edited.measure = static_cast<Measure>(measure); });
+}
+
+void drawReach(State& state, const LayerRecipe& layer) {
+  if (!section("section.reach", "Mask and bias", "Where the layer reaches, and what is wrinkled at rest"))
+    return;
+  constexpr const char* kMasks[] = {"Automatic", "Whole surface", "Painted / image", "Attribute"};
+  int index = static_cast<int>(layer.mask.index());
+  if (choice(
+          "layer.mask", "Mask", index, kMasks,
+          "How far the layer reaches: faded to where the clips squeeze it, everywhere, painted with the mask "
+          "tool, or a vertex attribute")) {
+    if (index == 2)
+      state.tool = Tool::kMask;
+    else
+      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
+        if (index == 0) edited.mask = pipeline::MaskAuto{};
+        if (index == 1) edited.mask = pipeline::MaskNone{};
+        if (index == 3) edited.mask = pipeline::MaskAttribute{"COLOR_0", 0};
+      });
+  }
+  if (const auto* texture = std::get_if<pipeline::MaskTexture>(&layer.mask)) {
+    row("");
+    ImGui::TextDisabled("%s", texture->texture.filename().string().c_str());
+  } else if (const auto* attribute = std::get_if<pipeline::MaskAttribute>(&layer.mask)) {
+    std::string name = attribute->name;
+    int channel = static_cast<int>(attribute->channel);
+    constexpr const char* kChannels[] = {"r", "g", "b", "a"};
+    if (field("layer.mask_attribute", "  Attribute", name, "Name of the vertex attribute, such as COLOR_0") &&
+        !name.empty())
+      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
+        edited.mask = pipeline::MaskAttribute{name, static_cast<uint32_t>(channel)};
+      });
+    if (choice("layer.mask_channel", "  Channel", channel, kChannels,
+               "Channel of the attribute: r, g, b or a"))
+      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
+        edited.mask = pipeline::MaskAttribute{name, static_cast<uint32_t>(channel)};
+      });
+  }
+  row("Rest bias");
+  if (!layer.bias) {
+    ImGui::TextDisabled("none (paint it)");
+  } else {
+    const std::string from =
+        layer.bias->texture.empty() ? layer.bias->attribute : layer.bias->texture.filename().string();
+    const float width = ImGui::GetContentRegionAvail().x - 4.2f * em();
+    ImGui::PushClipRect(ImGui::GetCursorScreenPos(),
+                        {ImGui::GetCursorScreenPos().x + width, ImGui::GetCursorScreenPos().y + 2.0f * em()},
+                        true);
+    ImGui::TextDisabled("%s", from.c_str());
+    ImGui::PopClipRect();
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - 3.8f * em());
+    if (button("layer.clear_bias", "Clear", "Remove the rest bias of this layer", true, 3.8f * em()))
+      state.edit("Clear bias of " + layer.name, [](LayerRecipe& edited) { edited.bias.reset(); });
+  }
+}
+
+// `unit`: the diagonal of the character, to which the ranges of lengths belong.
+void drawMap(State& state, const LayerRecipe& layer, bool stretch, float unit) {
+  const std::string prefix = stretch ? "stretch" : "compress";
+  const pipeline::Map& map = stretch ? layer.stretch : layer.compress;
+  if (!section(("section." + prefix).c_str(), stretch ? "Stretch map" : "Compress map",
+               stretch ? "The wrinkles where the surface is stretched"
+                       : "The wrinkles where the surface is squeezed",
+               !stretch))
+    return;
+  const auto set = [&](const std::string& what, const pipeline::Map& value) {
+    state.edit(what + " of " + layer.name,
+               [&](LayerRecipe& edited) { (stretch ? edited.stretch : edited.compress) = value; });
+  };
+  constexpr const char* kKinds[] = {"None", "Normal map", "Height map", "Synthesised"};
+  int kind = static_cast<int>(map.index());
+  if (choice((prefix + ".kind").c_str(), "From", kind, kKinds,
+             "A map made from the direction field, an image of yours (name it in the recipe), or none")) {
+    if (kind == 0) set("Map", pipeline::MapNone{});
+    if (kind == 3) set("Map", pipeline::MapSynthesized{});
+    if (kind == 1 || kind == 2)
+      state.session.tell(
+          Message::Kind::kNote,
+          "name the image as \"normal\" or \"height\" in the recipe file; it is read again at once");
+  }
+  if (const auto* normal = std::get_if<pipeline::MapNormal>(&map)) {
+    row("Image");
+    ImGui::TextDisabled("%s", normal->texture.filename().string().c_str());
+  }
+  if (const auto* height = std::get_if<pipeline::MapHeight>(&map)) {
+    row("Image");
+    ImGui::TextDisabled("%s", height->texture.filename().string().c_str());
+  }
+  const auto* made = std::get_if<pipeline::MapSynthesized>(&map);
+  if (!made) return;
+  pipeline::MapSynthesized next = *made;
+  constexpr const char* kPresets[] = {"Automatic", "Skin", "Skin, fine", "Cloth", "Cloth, puckers"};
+  int preset = next.preset ? 1 + static_cast<int>(*next.preset) : 0;
+  if (choice((prefix + ".preset").c_str(), "Preset", preset, kPresets,
+             "Narrow valleys, fine lines, round folds or short bulges; automatic: skin if morph targets "
+             "squeeze the "
+             "layer, cloth if only joints do")) {
+    next.preset.reset();
+    if (preset > 0) next.preset = static_cast<pipeline::Preset>(preset - 1);
+    set("Preset", next);
+  }
+  // What the cook worked out is where the slider begins.
+  const pipeline::MapSynthesized* resolved = nullptr;
+  for (const LayerRecipe& other : state.session.resolved().layers)
+    if (other.name == layer.name)
+      resolved = std::get_if<pipeline::MapSynthesized>(stretch ? &other.stretch : &other.compress);
+  const auto length = [&](const char* id, const char* label, double& value, double worked_out, float low,
+                          float high, const char* tip) {
+    float shown = static_cast<float>(value > 0.0 ? value : worked_out);
+    if (slider((prefix + id).c_str(), label, shown, low * unit, high * unit,
+               value > 0.0 ? "%.4g" : "%.4g (auto)", tip, ImGuiSliderFlags_Logarithmic)) {
+      value = double{shown};
+      set(label, next);
+    }
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value > 0.0) {
+      value = 0.0;
+      set(label, next);
+    }
+  };
+  length(".spacing", "Spacing", next.spacing, resolved ? resolved->spacing : 0.0, 0.002f, 0.2f,
+         "From ridge to ridge, in the file's unit of length, 0.2% to 20% of the character's size. Right "
+         "click: automatic");
+  length(".depth", "Depth", next.depth, resolved ? resolved->depth : 0.0, 0.0001f, 0.05f,
+         "From valley to ridge, in the file's unit of length, 0.01% to 5% of the character's size. Right "
+         "click: automatic");
+  int seed = static_cast<int>(next.seed);
+  if (integer((prefix + ".seed").c_str(), "Seed", seed, 0, 999999,
+              "Another number gives another pattern, 0 to 999999")) {
+    next.seed = static_cast<uint32_t>(seed);
+    set("Seed", next);
+  }
+}
+
+void drawDrivers(State& state, const LayerRecipe& layer) {
+  if (!section("section.drivers", "Drivers",
+               "Morph targets that raise the layer whether or not it is squeezed", false))
+    return;
+  std::vector<std::string> tables = pipeline::driverTables();
+  tables.insert(tables.begin(), "(own list)");
+  std::string table = layer.driver_table.empty() ? tables.front() : layer.driver_table;
+  if (choice("drivers.table", "Ready table", table, tables,
+             "A table of ARKit's face shapes for a region of the face, or a list of your own"))
+    state.edit("Drivers of " + layer.name, [&](LayerRecipe& edited) {
+      edited.driver_table = table == tables.front() ? std::string() : table;
+      edited.drivers.clear();
+    });
+  if (!layer.driver_table.empty()) return;
+  for (size_t d = 0; d < layer.drivers.size(); ++d) {
+    const std::string id = "drivers." + layer.drivers[d].morph;
+    float gain = static_cast<float>(layer.drivers[d].gain);
+    ImGui::PushID(static_cast<int>(d));
+    if (slider(id.c_str(), layer.drivers[d].morph.c_str(), gain, -2.0f, 2.0f, "%.2f",
+               "Weight that the morph target at 1 adds to the layer, -2 to 2. Right click: remove"))
+      state.edit("Gain of " + layer.drivers[d].morph,
+                 [&](LayerRecipe& edited) { edited.drivers[d].gain = double{gain}; });
+    const bool removed = ImGui::IsItemClicked(ImGuiMouseButton_Right);
+    ImGui::PopID();
+    if (removed) {
+      state.edit("Remove driver", [&](LayerRecipe& edited) {
+        edited.drivers.erase(edited.drivers.begin() + static_cast<std::ptrdiff_t>(d));
+      });
+      return;
+    }
+  }
+  std::vector<std::string> names;
+  if (state.session.shown())
+    for (const Morph& morph : state.session.shown()->view().morphs)
+      if (std::find(names.begin(), names.end(), morph.name) == names.end()) names.emplace_back(morph.name);
+  if (names.empty()) {
+    ImGui::TextDisabled("the character has no morph targets");
+    return;
+  }
+  std::string chosen;
+  if (choice("drivers.add", "Add", chosen, names, "A morph target whose weight is added to the layer's"))
+    state.edit("Add driver", [&](LayerRecipe& edited) { edited.drivers.push_back({chosen}); });
+}
+
+void drawAsset(State& state, const preview::PosedFrame* frame) {
+  const AssetView& asset = state.session.shown()->view();
+  ImGui::TextWrapped("A cooked asset: open its source, \"%s\", to edit it.",
+                     std::string(asset.source).c_str());
+  ImGui::Spacing();
+  for (const Layer& layer : asset.layers) {
+    const std::string name(layer.name), id = "layer.select." + name;
+    if (ImGui::Selectable(("  " + name + "##" + id).c_str(), name == state.layer)) state.layer = name;
+    mark(id.c_str());
+    tooltip("Select this layer for the views of one layer");
+  }
+  const uint32_t index = state.assetLayer(*state.session.shown());
+  if (index == pipeline::kNoIndex || !frame) return;
+  if (!section("section.response", "Response", "How a squeeze becomes a weight")) return;
+  state.session.shown()->surface.pose(frame->input);
+  drawResponsePlot(asset.layers[index].response, false,
+                   state.session.shown()->surface.stretches(index, frame->input.scale));
+}
+
+}  // namespace
+
+void drawLayerPanel(State& state, const preview::PosedFrame* frame) {
+  Session& session = state.session;
+  if (session.source().empty()) {
+    ImGui::TextDisabled("Nothing is open");
+    return;
+  }
+  if (!session.editable()) {
+    if (session.shown()) drawAsset(state, frame);
+    return;
+  }
+  drawList(state);
+  const uint32_t selected = state.documentLayer();
+  if (selected == pipeline::kNoIndex) return;
+  const LayerRecipe layer = session.document.recipe().layers[selected];
+  ImGui::Separator();
+  ImGui::BeginChild("layer", {0, 0}, false, ImGuiWindowFlags_NavFlattened);
+  std::string name = layer.name;
+  if (field("layer.name", "Name", name,
+            "Name of the layer, unlike that of any other, without commas or quotes")) {
+    const pipeline::Recipe& recipe = session.document.recipe();
+    const bool bad = name.empty() || name.find_first_of(",\"") != std::string::npos ||
+                     std::any_of(recipe.layers.begin(), recipe.layers.end(),
+                                 [&](const LayerRecipe& other) { return other.name == name; });
+    if (bad) {
+      session.tell(Message::Kind::kError,
+                   "\"" + name + "\": a layer needs a name of its own without commas or quotes");
+    } else {
+      state.edit("Rename layer", [&](LayerRecipe& edited) { edited.name = name; });
+      state.layer = name;
+    }
+  }
+  const float unit = session.shown() ? diagonalOf(session.shown()->view()) : 1.0f;
+  drawResponse(state, layer, frame);
+  drawReach(state, layer);
+  drawDirection(state, layer);
+  drawMap(state, layer, false, unit);
+  drawMap(state, layer, true, unit);
+  drawDrivers(state, layer);
+  ImGui::EndChild();
+}
+
+}  // namespace furrow::editor::ui

@@ -1,0 +1,282 @@
+#include "editor/ui/paint_tool.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "editor/ui/widgets.h"
+#include "pipeline/error.h"
+
+namespace furrow::editor::ui {
+namespace {
+
+constexpr int kRing = 48;             // points of the brush's circle
+constexpr float kGuideStep = 0.012f;  // of the diagonal, between points of a guide
+constexpr float kGrab = 8.0f;         // pixels from a guide that still mean it
+
+Painted paintedBy(Tool tool) {
+  return tool == Tool::kMask ? Painted::kMask : tool == Tool::kComb ? Painted::kDirection : Painted::kBias;
+}
+
+const char* nameOf(Painted kind) {
+  return kind == Painted::kMask ? "mask" : kind == Painted::kDirection ? "direction" : "bias";
+}
+
+// The file of what the layer's recipe names for this kind, and its channel; empty: none.
+std::pair<std::filesystem::path, uint32_t> namedImage(const pipeline::LayerRecipe& layer, Painted kind) {
+  if (kind == Painted::kMask) {
+    if (const auto* mask = std::get_if<pipeline::MaskTexture>(&layer.mask))
+      return {mask->texture, mask->channel};
+  } else if (kind == Painted::kBias) {
+    if (layer.bias) return {layer.bias->texture, layer.bias->channel};
+  } else if (const auto* flow = std::get_if<pipeline::DirectionTexture>(&layer.direction)) {
+    return {flow->texture, 0};
+  }
+  return {};
+}
+
+}  // namespace
+
+void PaintTool::forget() {
+  shown_.reset();
+  canvas_.reset();
+  canvas_key_.clear();
+  stroke_.reset();
+  values_.clear();
+  guide_hits_.clear();
+  guide_curves_.clear();
+  curve_.reset();
+}
+
+bool PaintTool::begin(State& state, Painted kind) {
+  Session& session = state.session;
+  const uint32_t index = state.documentLayer();
+  if (!session.editable() || index == pipeline::kNoIndex) return false;
+  const pipeline::LayerRecipe& layer = session.document.recipe().layers[index];
+  const AssetView& asset = shown_->view();
+  const auto size = static_cast<uint32_t>(state.settings.painted_size);
+  const auto [named, channel] = namedImage(layer, kind);
+  const std::filesystem::path file = paintedFile(session.document.file(), layer.name, kind);
+
+  std::shared_ptr<const pipeline::ByteImage> before;
+  if (const auto known = session.document.content().images.find(named);
+      known != session.document.content().images.end() && named == file)
+    before = known->second;
+  std::string key = layer.name + "\n" + std::to_string(before ? before->width : size);
+  for (const auto* names : {&layer.meshes, &layer.materials})
+    for (const std::string& name : *names) key += "\n" + name;
+  if (!canvas_ || canvas_key_ != key) {
+    canvas_ = std::make_shared<Canvas>(asset, layer, before ? before->width : size);
+    canvas_key_ = key;
+  }
+  if (canvas_->empty()) {
+    session.tell(Message::Kind::kError, session.source().string() + ": the meshes of layer \"" + layer.name +
+                                            "\" have no UVs to paint in: unwrap them, or paint a vertex "
+                                            "attribute in your modelling program");
+    state.problems_shown = true;
+    return false;
+  }
+  if (!before && !named.empty()) {
+    try {
+      const pipeline::ByteImage image = pipeline::readByteImage(named);
+      if (kind != Painted::kDirection && channel < image.channels)
+        before = std::make_shared<pipeline::ByteImage>(planeOf(image, channel, canvas_->size()));
+      else if (kind == Painted::kDirection && image.channels >= 2)
+        before = std::make_shared<pipeline::ByteImage>(
+            pipeline::toBytes(pipeline::resize(pipeline::toFloats(image), canvas_->size(), canvas_->size())));
+    } catch (const pipeline::Error& error) {
+      session.tell(Message::Kind::kError, error.what());
+    }
+  }
+  if (!before)
+    before = std::make_shared<pipeline::ByteImage>(canvas_->current(kind, asset, state.assetLayer(*shown_)));
+  kind_ = kind;
+  stroke_ = std::make_unique<Stroke>(canvas_, before, kind, state.brush, diagonalOf(asset));
+  return true;
+}
+
+void PaintTool::finish(State& state) {
+  const std::unique_ptr<Stroke> stroke = std::move(stroke_);
+  if (!stroke->touched()) {
+    values_.clear();
+    return;
+  }
+  Session& session = state.session;
+  Content content = session.document.content();
+  pipeline::LayerRecipe& layer = content.recipe.layers[state.documentLayer()];
+  const std::filesystem::path file = paintedFile(session.document.file(), layer.name, kind_);
+  content.images[file] = std::make_shared<pipeline::ByteImage>(stroke->image());
+  if (kind_ == Painted::kMask)
+    layer.mask = pipeline::MaskTexture{file, 0};
+  else if (kind_ == Painted::kDirection)
+    layer.direction = pipeline::DirectionTexture{file};
+  else
+    layer.bias = pipeline::Bias{{}, 0, 0.5, file};
+  session.document.endGesture();
+  session.document.apply(std::move(content), std::string("Paint ") + nameOf(kind_) + " of " + layer.name);
+  session.document.endGesture();
+}
+
+bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projection& projection,
+                    bool hovered) {
+  if (shown_ != state.session.shown()) {
+    const bool in_stroke = stroke_ != nullptr;
+    if (!in_stroke) {
+      forget();
+      shown_ = state.session.shown();
+    }
+  }
+  if (state.tool == Tool::kLook) {
+    if (stroke_) finish(state);
+    values_.clear();
+    return false;
+  }
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.KeyAlt && !stroke_ && !curve_) return false;  // the camera's
+  if (state.tool == Tool::kGuide) {
+    guide(state, frame, projection, hovered);
+    return true;
+  }
+  std::optional<SurfaceHit> hit;
+  if (hovered || stroke_) {
+    shown_->surface.pose(frame.input);
+    hit = shown_->surface.hit(projection.eye, projection.rayAt(io.MousePos));
+  }
+  if (hit && hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+    const bool erase = state.brush.erase;
+    state.brush.erase = erase != io.KeyCtrl;
+    begin(state, paintedBy(state.tool));
+    state.brush.erase = erase;
+  }
+  if (stroke_ && hit) {
+    stroke_->moveTo(shown_->surface.restAt(hit->triangle, hit->barycentric),
+                    shown_->surface.restNormal(hit->triangle));
+    values_ = stroke_->vertexValues(shown_->view());
+    ++stroke_number_;
+  }
+  if (stroke_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) finish(state);
+  if (hit) drawBrush(state, projection, *hit);
+  return true;
+}
+
+void PaintTool::drawBrush(const State& state, const Projection& projection, const SurfaceHit& hit) const {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const PosedSurface& surface = shown_->surface;
+  const glm::vec3 middle = surface.at(hit.triangle, hit.barycentric);
+  glm::vec3 normal = glm::cross(surface.at(hit.triangle, {0, 1, 0}) - surface.at(hit.triangle, {1, 0, 0}),
+                                surface.at(hit.triangle, {0, 0, 1}) - surface.at(hit.triangle, {1, 0, 0}));
+  if (!(glm::length(normal) > 0.0f)) return;
+  normal = glm::normalize(normal);
+  const glm::vec3 aside = std::abs(normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+  const glm::vec3 x = glm::normalize(glm::cross(aside, normal)), y = glm::cross(normal, x);
+  const float radius = state.brush.size * diagonalOf(shown_->view());
+  for (const float part : {1.0f, 1.0f - state.brush.falloff}) {
+    if (part < 0.02f) continue;
+    std::array<ImVec2, kRing> ring;
+    bool seen = true;
+    for (int i = 0; i < kRing; ++i) {
+      const float angle = 6.2831853f * static_cast<float>(i) / kRing;
+      seen &= projection.toScreen(middle + radius * part * (std::cos(angle) * x + std::sin(angle) * y),
+                                  ring[static_cast<size_t>(i)]);
+    }
+    if (!seen) continue;
+    list->AddPolyline(ring.data(), kRing, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.0f);
+    list->AddPolyline(ring.data(), kRing,
+                      part == 1.0f ? IM_COL32(255, 255, 255, 220) : IM_COL32(255, 255, 255, 110),
+                      ImDrawFlags_Closed, 1.3f);
+  }
+}
+
+void PaintTool::guide(State& state, const preview::PosedFrame& frame, const Projection& projection,
+                      bool hovered) {
+  Session& session = state.session;
+  const uint32_t index = state.documentLayer();
+  if (!session.editable() || index == pipeline::kNoIndex) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  shown_->surface.pose(frame.input);
+  std::optional<SurfaceHit> hit;
+  if (hovered || curve_) hit = shown_->surface.hit(projection.eye, projection.rayAt(io.MousePos));
+  if (hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+    if (io.KeyCtrl || state.brush.erase) {
+      // The curve under the pointer goes.
+      for (size_t c = 0; c < guide_hits_.size(); ++c)
+        for (const SurfaceHit& point : guide_hits_[c]) {
+          ImVec2 at;
+          if (!projection.toScreen(shown_->surface.at(point.triangle, point.barycentric), at)) continue;
+          if (std::hypot(at.x - io.MousePos.x, at.y - io.MousePos.y) > kGrab * em() / 15.0f) continue;
+          state.edit("Remove guide", [&](pipeline::LayerRecipe& layer) {
+            auto guides = std::get<pipeline::DirectionGuides>(layer.direction);
+            guides.curves.erase(guides.curves.begin() + static_cast<std::ptrdiff_t>(c));
+            if (guides.curves.empty())
+              layer.direction = pipeline::DirectionAnimation{};
+            else
+              layer.direction = guides;
+          });
+          session.document.endGesture();
+          return;
+        }
+    } else if (hit) {
+      curve_.emplace();
+      curve_hits_.clear();
+    }
+  }
+  if (!curve_) return;
+  if (hit) {
+    const glm::vec3 rest = shown_->surface.restAt(hit->triangle, hit->barycentric);
+    const float step = kGuideStep * diagonalOf(shown_->view());
+    const auto last = [&] { return glm::vec3(curve_->back()[0], curve_->back()[1], curve_->back()[2]); };
+    if (curve_->empty() || glm::distance(last(), rest) >= step) {
+      curve_->push_back({double{rest.x}, double{rest.y}, double{rest.z}});
+      curve_hits_.push_back(*hit);
+    }
+  }
+  if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) return;
+  if (curve_->size() >= 2)
+    state.edit("Draw guide", [&](pipeline::LayerRecipe& layer) {
+      auto* old = std::get_if<pipeline::DirectionGuides>(&layer.direction);
+      pipeline::DirectionGuides guides = old && old->lines.empty() ? *old : pipeline::DirectionGuides{};
+      guides.curves.push_back(*curve_);
+      layer.direction = guides;
+    });
+  session.document.endGesture();
+  curve_.reset();
+}
+
+void PaintTool::drawGuides(const State& state, const preview::PosedFrame& frame,
+                           const Projection& projection) {
+  const uint32_t index = state.documentLayer();
+  if (!shown_ || !state.session.editable() || index == pipeline::kNoIndex) return;
+  const auto* guides =
+      std::get_if<pipeline::DirectionGuides>(&state.session.document.recipe().layers[index].direction);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const auto draw = [&](const std::vector<SurfaceHit>& hits, ImU32 color) {
+    std::vector<ImVec2> line;
+    for (const SurfaceHit& hit : hits) {
+      ImVec2 at;
+      if (projection.toScreen(shown_->surface.at(hit.triangle, hit.barycentric), at)) line.push_back(at);
+    }
+    if (line.size() < 2) return;
+    list->AddPolyline(line.data(), static_cast<int>(line.size()), IM_COL32(0, 0, 0, 150), 0, 4.5f);
+    list->AddPolyline(line.data(), static_cast<int>(line.size()), color, 0, 2.2f);
+  };
+  if (guides || curve_) shown_->surface.pose(frame.input);
+  if (guides) {
+    if (guides->curves != guide_curves_) {
+      guide_hits_.clear();
+      for (const auto& curve : guides->curves) {
+        std::vector<SurfaceHit>& hits = guide_hits_.emplace_back();
+        for (const std::array<double, 3>& p : curve)
+          hits.push_back(shown_->surface.nearestAtRest(glm::vec3(p[0], p[1], p[2])));
+      }
+      guide_curves_ = guides->curves;
+    }
+    for (const std::vector<SurfaceHit>& hits : guide_hits_) draw(hits, IM_COL32(120, 220, 190, 255));
+  } else {
+    guide_hits_.clear();
+    guide_curves_.clear();
+  }
+  if (curve_) draw(curve_hits_, Colors::kAccent);
+}
+
+}  // namespace furrow::editor::ui

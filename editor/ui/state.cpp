@@ -1,0 +1,26 @@
+#include "editor/ui/state.h"
+
+namespace furrow::editor::ui {
+
+uint32_t State::documentLayer() const {
+  const std::vector<pipeline::LayerRecipe>& layers = session.document.recipe().layers;
+  for (uint32_t l = 0; l < layers.size(); ++l)
+    if (layers[l].name == layer) return l;
+  return pipeline::kNoIndex;
+}
+
+uint32_t State::assetLayer(const Shown& shown) const {
+  for (uint32_t l = 0; l < shown.view().layerCount(); ++l)
+    if (shown.view().layers[l].name == layer) return l;
+  return pipeline::kNoIndex;
+}
+
+void State::edit(const std::string& what, const std::function<void(pipeline::LayerRecipe&)>& change) {
+  const uint32_t selected = documentLayer();
+  if (!session.editable() || selected == pipeline::kNoIndex) return;
+  Content content = session.document.content();
+  change(content.recipe.layers[selected]);
+  session.document.apply(std::move(content), what);
+}
+
+}  // namespace furrow::editor::ui

@@ -1,0 +1,74 @@
+#pragma once
+
+// What the panels share: the session, what is selected, and how it is looked at.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "editor/preview/camera.h"
+#include "editor/preview/renderer.h"
+#include "editor/session/paint.h"
+#include "editor/session/session.h"
+#include "editor/session/settings.h"
+
+namespace furrow::editor::ui {
+
+enum class Tool : uint8_t { kLook, kBias, kMask, kComb, kGuide };
+
+// One side of the picture.
+struct Look {
+  int view = 0;     // of preview::View; kUvView behind them
+  int shading = 0;  // of preview::Shading
+  std::string tier = "auto";
+  bool compared = false;  // shows Session::comparison()
+};
+inline constexpr const char* kViewNames[] = {"Beauty", "Weight",     "Direction", "Points",   "Mask",
+                                             "Bias",   "Confidence", "Morphs",    "UV layout"};
+inline constexpr int kUvView = 8;
+inline constexpr const char* kShadingNames[] = {"Interpolated bump", "Bump blend", "Alpha shading",
+                                                "No wrinkles"};
+
+// What one side of the picture said about itself when it was last drawn.
+struct Drawn {
+  std::string tier, reason;  // or why nothing is drawn
+  bool failed = false;
+  preview::StageTimes times;
+};
+
+enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage, kFrames };
+
+struct State {
+  State(Session& of, Settings& kept) : session(of), settings(kept) {}
+
+  Session& session;
+  Settings& settings;
+  bool scripted = false;  // nothing that differs from run to run is shown
+
+  std::string layer;  // name of the selected one
+  Tool tool = Tool::kLook;
+  Brush brush;
+
+  preview::Camera camera;  // target in root space
+  bool framed = false;     // the camera was set for what is open
+  float light_yaw = 0.0f;  // degrees
+  Look looks[2];
+  Drawn drawn[2];
+  bool split = false;
+  float divider = 0.5f;  // of the picture's width
+
+  bool keys_shown = false, problems_shown = false, first_start = true;
+  Dialog dialog = Dialog::kNone;
+  std::function<void(const std::filesystem::path&)> chosen;  // what the dialog is for
+  // What waits until the artist has said what becomes of unsaved work.
+  std::function<void()> leaving;
+  bool quit = false;
+
+  // Of the selected layer: in the document, or kNoIndex; in the shown asset, or kNoIndex.
+  uint32_t documentLayer() const;
+  uint32_t assetLayer(const Shown& shown) const;
+  // Edits the selected layer of the document.
+  void edit(const std::string& what, const std::function<void(pipeline::LayerRecipe&)>& change);
+};
+
+}  // namespace furrow::editor::ui

@@ -1,0 +1,15 @@
+#pragma once
+
+// The UV layout: charts, the selected layer's weight of nothing but the place, and what is painted there.
+
+#include <imgui.h>
+
+#include "editor/ui/state.h"
+
+namespace furrow::editor::ui {
+
+// The unit square of UV space, centred in the given rectangle, with the edges of the shown asset's triangles:
+// those of the selected layer bright, the others dim.
+void drawUvLayout(const State& state, const Shown& shown, ImVec2 low, ImVec2 size);
+
+}  // namespace furrow::editor::ui

@@ -1,0 +1,82 @@
+#pragma once
+
+// The picture of the character: drawn by the preview renderer, on one or two sides of a divider.
+
+#include <imgui.h>
+
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+
+#include "editor/ui/state.h"
+
+namespace furrow::editor::ui {
+
+// Draws one side, and only when something that it shows has changed.
+class Pane {
+ public:
+  // The texture (bottom row first) of `look` at this size, or 0 and why in `drawn`. `values`: as
+  // RenderOptions has them; another `stroke` number says that they changed.
+  uint32_t draw(const State& state, const std::shared_ptr<Shown>& shown, const preview::PosedFrame& frame,
+                const Look& look, uint32_t width, uint32_t height, std::span<const float> values,
+                uint64_t stroke, Drawn& drawn);
+  // A picture of another size, read back. Throws pipeline::Error.
+  pipeline::Image picture(const State& state, const std::shared_ptr<Shown>& shown,
+                          const preview::PosedFrame& frame, const Look& look, uint32_t width,
+                          uint32_t height);
+  void release();  // what it holds of the context
+
+ private:
+  preview::RenderOptions options(const State& state, const Shown& shown, const preview::PosedFrame& frame,
+                                 const Look& look, uint32_t width, uint32_t height) const;
+  void hold(const std::shared_ptr<Shown>& shown);
+
+  std::shared_ptr<Shown> shown_;
+  std::unique_ptr<preview::Renderer> renderer_;
+  uint32_t texture_ = 0;
+  size_t key_ = 0;
+};
+
+// A ray through a place of the picture, and back.
+struct Projection {
+  Projection(const preview::Camera& camera, const preview::PosedFrame& frame, ImVec2 low, ImVec2 size);
+
+  glm::vec3 eye;  // relative to the frame's origin, as posed positions are
+  glm::vec3 rayAt(ImVec2 screen) const;
+  bool toScreen(glm::vec3 posed, ImVec2& screen) const;  // false behind the eye
+
+ private:
+  preview::CameraFrame camera_;
+  float aspect_, tangent_;
+  ImVec2 low_, size_;
+};
+
+class Viewport {
+ public:
+  // Fills the current window. `frame` is that of the shown asset, null if there is none.
+  void draw(State& state, const preview::PosedFrame* frame);
+  // What the renderer shows on the left or only side, at another size. Throws pipeline::Error.
+  pipeline::Image picture(State& state, const preview::PosedFrame& frame, uint32_t width, uint32_t height);
+
+  void frameAll(State& state, const preview::PosedFrame& frame);
+  void frameLayer(State& state, const preview::PosedFrame& frame);  // where the selected layer reaches
+  float aspect() const { return aspect_; }
+  void release();
+
+ private:
+  void moveCamera(State& state, ImVec2 size, bool hovered);
+  void drawLabels(const State& state, ImVec2 low, ImVec2 high) const;
+  void drawDivider(State& state, ImVec2 low, ImVec2 high);
+  void drawLegend(const State& state, const Look& look, ImVec2 at) const;
+  void fit(State& state, const preview::PosedFrame& frame, std::span<const Float3> positions);
+
+  Pane panes_[2];
+  float aspect_ = 1.0f;
+  std::unique_ptr<class PaintTool> paint_;
+
+ public:
+  Viewport();
+  ~Viewport();
+};
+
+}  // namespace furrow::editor::ui

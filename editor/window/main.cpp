@@ -1,0 +1,311 @@
+// furrow-editor: see, play, paint and tune wrinkles in a window.
+
+#include <epoxy/gl.h>
+// epoxy/gl.h first: GLFW would bring the system's.
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_opengl3.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "editor/preview/headless_context.h"
+#include "editor/ui/headless_screen.h"
+#include "editor/ui/widgets.h"
+#include "pipeline/error.h"
+
+namespace furrow::editor {
+namespace {
+
+using pipeline::Error;
+using pipeline::Exit;
+
+static_assert(ui::key::kEscape == GLFW_KEY_ESCAPE && ui::key::kPageDown == GLFW_KEY_PAGE_DOWN &&
+              ui::key::kF1 == GLFW_KEY_F1 && ui::key::kSpace == GLFW_KEY_SPACE);
+
+constexpr double kIdle = 0.25;  // seconds between frames where nothing happens
+
+struct Options {
+  std::string file, recipe, script, frames = ".", size, tier;
+  float scale = 0.0f;
+  bool window = false;
+};
+
+std::string readText(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(Exit::kBadData, file, "it cannot be opened", "check the path");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void parseSize(const std::string& text, int& width, int& height) {
+  const char* end = text.data() + text.size();
+  const auto [x, first] = std::from_chars(text.data(), end, width);
+  if (first == std::errc() && x != end && *x == 'x') {
+    const auto [stop, second] = std::from_chars(x + 1, end, height);
+    if (second == std::errc() && stop == end && width >= 320 && height >= 240 && width <= 8192 &&
+        height <= 8192)
+      return;
+  }
+  throw Error(Exit::kBadUsage, "--size " + text, "is not WIDTHxHEIGHT from 320x240 to 8192x8192",
+              "write for example --size 1440x900");
+}
+
+// A window with OpenGL and imgui.
+class Window {
+ public:
+  Window(int width, int height) {
+    glfwSetErrorCallback([](int, const char* text) { last_error_ = text; });
+    if (!glfwInit())
+      throw Error(Exit::kEnvironment, "display", "no window can be opened (" + last_error_ + ")",
+                  "start it where there is a screen, or use 'furrow render'");
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    window_ = glfwCreateWindow(width, height, "furrow", nullptr, nullptr);
+    if (!window_) {
+      glfwTerminate();
+      throw Error(Exit::kEnvironment, "display",
+                  "no window with OpenGL 3.3 can be opened (" + last_error_ + ")",
+                  "update the graphics driver");
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    ImGui::CreateContext();
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ui::setUpImgui();
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+  }
+  ~Window() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+  }
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  GLFWwindow* handle() const { return window_; }
+
+  // Pixels of the usual size that the screen wants for one, where the window's own units do not say it.
+  float scale() const {
+    float x = 1.0f, y = 1.0f;
+    glfwGetWindowContentScale(window_, &x, &y);
+    int width = 1, pixels = 1, ignored = 0;
+    glfwGetWindowSize(window_, &width, &ignored);
+    glfwGetFramebufferSize(window_, &pixels, &ignored);
+    return width > 0 && pixels > 0 ? x * static_cast<float>(width) / static_cast<float>(pixels) : x;
+  }
+
+  void begin(bool poll) {
+    if (poll) glfwPollEvents();
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+  }
+
+  void end() {
+    ImGui::Render();
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    glViewport(0, 0, width, height);
+    glClearColor(0.08f, 0.08f, 0.085f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  }
+
+  // Of what end() has drawn, before it is shown.
+  pipeline::Image picture() const {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    const auto w = static_cast<uint32_t>(width), h = static_cast<uint32_t>(height);
+    std::vector<uint8_t> bytes(size_t{4} * w * h);
+    glReadBuffer(GL_BACK);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+    pipeline::ByteImage image{w, h, 4, {}};
+    for (uint32_t y = h; y-- > 0;)
+      image.pixels.insert(image.pixels.end(), &bytes[size_t{4} * w * y],
+                          &bytes[size_t{4} * w * y] + size_t{4} * w);
+    for (size_t i = 3; i < image.pixels.size(); i += 4) image.pixels[i] = 255;
+    return pipeline::toFloats(image);
+  }
+
+ private:
+  inline static std::string last_error_ = "no reason given";
+  GLFWwindow* window_ = nullptr;
+};
+
+void start(ui::Editor& editor, Session& session, const Options& options) {
+  if (!options.tier.empty())
+    for (ui::Look& look : editor.state().looks) look.tier = options.tier;
+  if (options.file.empty()) return;
+  if (options.recipe.empty())
+    editor.open(options.file);
+  else
+    session.open(options.file, options.recipe);
+}
+
+void runHeadless(const Options& options, Settings& settings) {
+  int width = 1440, height = 900;
+  if (!options.size.empty()) parseSize(options.size, width, height);
+  const std::string text = readText(options.script);
+  const preview::HeadlessContext context;
+  ui::HeadlessScreen screen(width, height, options.scale > 0.0f ? options.scale : 1.0f);
+  Session session;
+  ui::Editor editor(session, settings);
+  start(editor, session, options);
+  ui::runScript(text, options.script, editor, screen.screen(), options.frames);
+}
+
+void runWindow(const Options& options, Settings& settings) {
+  if (!options.size.empty()) parseSize(options.size, settings.width, settings.height);
+  Window window(settings.width, settings.height);
+  float scale = 0.0f;
+  const auto rescale = [&] {
+    const float wanted = options.scale > 0.0f    ? options.scale
+                         : settings.scale > 0.0f ? settings.scale
+                                                 : window.scale();
+    if (wanted == scale) return;
+    scale = wanted;
+    ui::applyTheme(scale);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  };
+  rescale();
+  Session session;
+  ui::Editor editor(session, settings);
+  glfwSetWindowUserPointer(window.handle(), &editor);
+  glfwSetDropCallback(window.handle(), [](GLFWwindow* dropped, int count, const char** files) {
+    if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->open(files[0]);
+  });
+  start(editor, session, options);
+
+  if (!options.script.empty()) {
+    ui::Screen screen;
+    screen.begin = [&] {
+      // The script's pointer and keys, not those of the window.
+      ImGuiIO& io = ImGui::GetIO();
+      const ImVec2 pointer = io.MousePos;
+      const bool buttons[3] = {io.MouseDown[0], io.MouseDown[1], io.MouseDown[2]};
+      const bool ctrl = io.KeyCtrl, shift = io.KeyShift, alt = io.KeyAlt;
+      window.begin(true);
+      io.MousePos = pointer;
+      std::copy(buttons, buttons + 3, io.MouseDown);
+      io.KeyCtrl = ctrl;
+      io.KeyShift = shift;
+      io.KeyAlt = alt;
+      io.DeltaTime = 1.0f / 30.0f;
+      ImGui::NewFrame();
+    };
+    pipeline::Image last;
+    screen.end = [&] {
+      window.end();
+      last = window.picture();
+      glfwSwapBuffers(window.handle());
+    };
+    screen.picture = [&] { return last; };
+    ui::runScript(readText(options.script), options.script, editor, screen, options.frames);
+    return;
+  }
+
+  double before = glfwGetTime();
+  std::string title;
+  while (!editor.quit()) {
+    if (editor.busy())
+      glfwPollEvents();
+    else
+      glfwWaitEventsTimeout(kIdle);
+    if (glfwWindowShouldClose(window.handle())) {
+      glfwSetWindowShouldClose(window.handle(), GLFW_FALSE);
+      editor.askToQuit();
+    }
+    rescale();
+    const double now = glfwGetTime();
+    window.begin(false);
+    ImGui::NewFrame();
+    editor.frame(now - before);
+    window.end();
+    glfwSwapBuffers(window.handle());
+    before = now;
+    if (editor.title() != title) {
+      title = editor.title();
+      glfwSetWindowTitle(window.handle(), title.c_str());
+    }
+    glfwGetWindowSize(window.handle(), &settings.width, &settings.height);
+  }
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("furrow-editor: see, play, paint and tune wrinkles");
+  app.set_version_flag("--version", "furrow-editor " FURROW_VERSION);
+  app.footer(
+      "Exit status: 0 done, 1 bad data (an input missing, too), 2 bad usage (also a script that does not get "
+      "through), 3 environment (no screen, no OpenGL 3.3).");
+  Options options;
+  app.add_option(
+      "FILE", options.file,
+      "A mesh (glTF, OBJ, PLY, STL, OFF), with the recipe of its name if there is one; a recipe (JSON), with "
+      "the mesh of its name; or a cooked .furrow to look at");
+  app.add_option("--recipe", options.recipe,
+                 "Recipe for the mesh, in place of the one of its name; need not exist yet");
+  app.add_option("--backend", options.tier, "Tier to compute on (default: as last time)")
+      ->check(CLI::IsMember({"auto", "gpu", "gpu-raster", "cpu"}));
+  app.add_option("--size", options.size, "WIDTHxHEIGHT of the window (default: as last time)");
+  app.add_option("--scale", options.scale,
+                 "Scale of text and widgets, 0.5 to 4 (default: what the screen asks for)")
+      ->check(CLI::Range(0.5, 4.0));
+  CLI::Option* script = app.add_option(
+      "--script", options.script, "Play a scripted session without a window, then leave; needs no screen");
+  app.add_option("--frames", options.frames, "Folder for the pictures of the script")->needs(script);
+  app.add_flag("--window", options.window, "Play the script in a real window")->needs(script);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "furrow-editor: %s: see 'furrow-editor --help'\n", error.what());
+    return static_cast<int>(Exit::kBadUsage);
+  }
+  std::error_code ignored;
+  if (!options.file.empty() && !std::filesystem::exists(options.file, ignored))
+    throw Error(Exit::kBadData, options.file, "there is no such file", "check the path");
+  // A script begins from nothing and leaves nothing behind.
+  if (!options.script.empty()) {
+    Settings settings;
+    options.window ? runWindow(options, settings) : runHeadless(options, settings);
+    return static_cast<int>(Exit::kDone);
+  }
+  const std::filesystem::path file = settingsFile();
+  Settings settings = readSettings(file);
+  runWindow(options, settings);
+  try {
+    writeSettings(file, settings);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "furrow-editor: warning: %s\n", error.what());
+  }
+  return static_cast<int>(Exit::kDone);
+}
+
+}  // namespace
+}  // namespace furrow::editor
+
+int main(int argc, char** argv) {
+  using furrow::pipeline::Exit;
+  try {
+    return furrow::editor::run(argc, argv);
+  } catch (const furrow::pipeline::Error& error) {
+    std::fprintf(stderr, "furrow-editor: %s\n", error.what());
+    return static_cast<int>(error.exit());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "furrow-editor: out of memory: close other programs or open a smaller file\n");
+    return static_cast<int>(Exit::kEnvironment);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "furrow-editor: unexpected fault (%s): please report it\n", error.what());
+    return static_cast<int>(Exit::kBadData);
+  }
+}
