@@ -10,11 +10,12 @@ packages=(
   # pipeline and tools
   libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libpng-dev libeigen3-dev libstb-dev libcli11-dev
   # preview and editor
-  libimgui-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
+  libimgui-dev libglfw3-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # figures
   gnuplot-nox fonts-dejavu-core
   # tests
   libgtest-dev libgmock-dev libvulkan-dev mesa-vulkan-drivers libglfw3-dev xvfb xauth libbenchmark-dev python3-jsonschema
+  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema xvfb xauth
 )
 
 if ! command -v apt-get >/dev/null; then

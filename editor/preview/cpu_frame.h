@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "editor/preview/stage_times.h"
 #include "furrow/frame_plan.h"
 
 namespace furrow::preview {
@@ -13,7 +14,7 @@ class CpuFrame {
   explicit CpuFrame(const AssetView& asset);  // `asset` must outlive the frame
 
   // Throws pipeline::Error (kBadUsage) for an input that does not fit the asset.
-  void run(const FrameInput& input);
+  void run(const FrameInput& input, StageTimes* times = nullptr);
 
   // A vertex, as the last run() left them; weights weightStride() a vertex.
   std::vector<Float3> positions, normals;

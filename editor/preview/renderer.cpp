@@ -111,12 +111,14 @@ class UploadedFrame {
     for (GlObject& buffer : buffers_) buffer = GlObject(GlKind::kBuffer);
   }
 
-  PosedBuffers run(const FrameInput& input) {
-    frame_.run(input);
+  PosedBuffers run(const FrameInput& input, StageTimes* times) {
+    frame_.run(input, times);
+    StageClock clock(times);
     refill(buffers_[0], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.positions));
     refill(buffers_[1], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.normals));
     refill(buffers_[2], GL_ARRAY_BUFFER, std::span<const Float4>(frame_.tangents));
     refill(buffers_[3], GL_ARRAY_BUFFER, std::span<const int16_t>(frame_.weights));
+    clock.end("upload");
     return {buffers_[0], buffers_[1], buffers_[2], buffers_[3]};
   }
 
@@ -135,12 +137,15 @@ class GpuFrame {
                   form == Form::kRaster ? "gpu-raster tier" : "gpu tier", status.message, "use the cpu tier");
   }
 
-  PosedBuffers run(const FrameInput& input) {
+  PosedBuffers run(const FrameInput& input, StageTimes* times) {
+    StageClock clock(times);
     Status status = executor_.upload(input);
     if (status.ok()) status = executor_.run();
     if (!status.ok())
       throw Error(Exit::kEnvironment, "gpu tier", status.message,
                   "open the picture again, or use the cpu tier");
+    if (times) glFinish();
+    clock.end("weights");
     return {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
             executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
   }
@@ -155,7 +160,7 @@ class GpuFrame {
 struct Renderer::State {
   explicit State(const AssetView& asset);
 
-  PosedBuffers pose(const FrameInput& input, Tier tier);
+  PosedBuffers pose(const FrameInput& input, const RenderOptions& options);
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
   void fillScene(const RenderOptions& options);
@@ -285,15 +290,16 @@ void Renderer::State::makeMasks() {
   masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
 }
 
-PosedBuffers Renderer::State::pose(const FrameInput& input, Tier tier) {
+PosedBuffers Renderer::State::pose(const FrameInput& input, const RenderOptions& options) {
+  const Tier tier = options.tier;
   if (tier == Tier::kCpu) {
     if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
-    return cpu->run(input);
+    return cpu->run(input, options.times);
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
   if (!frame)
     frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kClustered : Form::kRaster);
-  return frame->run(input);
+  return frame->run(input, options.times);
 }
 
 void Renderer::State::bindSurface(const PosedBuffers& posed) const {
@@ -418,7 +424,9 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
     s.target.reset();
     s.target = std::make_unique<PictureTarget>(options.width, options.height);
   }
-  const PosedBuffers posed = s.pose(input, options.tier);
+  if (options.times) options.times->clear();
+  const PosedBuffers posed = s.pose(input, options);
+  StageClock clock(options.times);
   s.bindSurface(posed);
   s.bindValues(input, options);
   s.fillScene(options);
@@ -441,6 +449,8 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
   s.drawParts(options);
   if (options.view == View::kDirection) s.drawStrokes(options);
   const uint32_t texture = s.target->resolve();
+  if (options.times) glFinish();
+  clock.end("draw");
   glDisable(GL_FRAMEBUFFER_SRGB);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glBindVertexArray(0);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "editor/preview/camera.h"
+#include "editor/preview/stage_times.h"
 #include "furrow/frame_plan.h"
 #include "furrow/gl/tier.h"
 #include "pipeline/maps/image.h"
@@ -22,12 +23,6 @@ enum class Shading : uint8_t {
 };  // Larsson's three methods, and no wrinkles
 enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence, kMorph };
 
-// Milliseconds of the stages of a picture.
-struct StageTimes {
-  double deform = 0.0, compress = 0.0, smooth = 0.0, respond = 0.0;  // of all layers
-  double draw = 0.0;
-};
-
 struct RenderOptions {
   uint32_t width = 1024, height = 1024;  // 1 to 4096
   Tier tier = Tier::kGpu;
@@ -39,7 +34,7 @@ struct RenderOptions {
   // A value a vertex that the views mask, in [0, 1], and bias, in [-1, 1], show in place of the asset's; or
   // empty.
   std::span<const float> values;
-  // If not null, every stage is waited for and measured on the CPU's clock.
+  // If not null, every stage of draw() is waited for, and how long it took is left here.
   StageTimes* times = nullptr;
 };
 

@@ -66,12 +66,11 @@ float brushCover(const Brush& brush, float distance) {
 
 Canvas::Canvas(const AssetView& asset, const pipeline::LayerRecipe& layer, uint32_t size)
     : surface_(surfaceOf(asset)) {
-  std::vector<uint32_t> parts;
   for (uint32_t p = 0; p < asset.parts.size(); ++p)
     if (asset.parts[p].has_uvs && named(layer.meshes, asset.parts[p].mesh) &&
         named(layer.materials, asset.parts[p].material))
-      parts.push_back(p);
-  map_ = pipeline::mapTexels(surface_, parts, {size, size}, kMargin);
+      parts_.push_back(p);
+  map_ = pipeline::mapTexels(surface_, parts_, {size, size}, kMargin);
   for (uint32_t i = 0; i < map_.triangle.size(); ++i) {
     const uint32_t t = map_.triangle[i];
     if (t == pipeline::kNoIndex) continue;
@@ -215,15 +214,15 @@ ByteImage Stroke::image() const {
 
 std::vector<float> Stroke::vertexValues(const AssetView& asset) const {
   if (kind_ == Painted::kDirection) return {};
-  std::vector<float> values = atVertices(image(), 0, asset);
-  if (kind_ == Painted::kBias)
-    for (float& c : values) c = std::abs(c - 0.5f) <= 1.0f / 255.0f ? 0.0f : 2.0f * (c - 0.5f);
-  return values;
-}
-
-std::vector<float> atVertices(const ByteImage& image, uint32_t channel, const AssetView& asset) {
-  std::vector<float> values;
-  for (const Float2& uv : asset.uvs) values.push_back(pipeline::sampleAt(image, {uv.x, uv.y}, channel));
+  const ByteImage painted = image();
+  std::vector<float> values(asset.vertexCount(), 0.0f);
+  for (uint32_t p : canvas_->parts())
+    for (uint32_t v = asset.parts[p].vertex_begin; v < asset.parts[p].vertex_end; ++v) {
+      const float c = pipeline::sampleAt(painted, {asset.uvs[v].x, asset.uvs[v].y}, 0);
+      values[v] = kind_ == Painted::kMask               ? c
+                  : std::abs(c - 0.5f) <= 1.0f / 255.0f ? 0.0f
+                                                        : 2.0f * (c - 0.5f);
+    }
   return values;
 }
 

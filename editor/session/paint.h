@@ -37,7 +37,8 @@ class Canvas {
   Canvas(const AssetView& asset, const pipeline::LayerRecipe& layer, uint32_t size);
 
   uint32_t size() const { return map_.grid.width; }
-  bool empty() const { return texels_.empty(); }  // nothing has UVs
+  bool empty() const { return texels_.empty(); }                 // nothing has UVs
+  const std::vector<uint32_t>& parts() const { return parts_; }  // of the asset, that can be painted
 
   // What a layer of the asset has at its vertices, drawn as an image: where painting begins.
   pipeline::ByteImage current(Painted kind, const AssetView& asset, uint32_t asset_layer) const;
@@ -56,6 +57,7 @@ class Canvas {
 
  private:
   pipeline::Surface surface_;
+  std::vector<uint32_t> parts_;
   pipeline::TexelMap map_;
   std::vector<Texel> texels_;
 };
@@ -72,7 +74,8 @@ class Stroke {
 
   bool touched() const { return touched_; }
   pipeline::ByteImage image() const;
-  // The painted values at the vertices: mask in [0, 1], bias in [-1, 1]. Empty for directions.
+  // The painted values at the vertices: mask in [0, 1], bias in [-1, 1]; 0 on parts that the layer does not
+  // lie on. Empty for directions.
   std::vector<float> vertexValues(const AssetView& asset) const;
 
  private:
@@ -91,9 +94,6 @@ class Stroke {
 
 // A channel as an image of its own, at another size.
 pipeline::ByteImage planeOf(const pipeline::ByteImage& image, uint32_t channel, uint32_t size);
-
-// An image's channel at the vertices, bilinear; UVs repeat.
-std::vector<float> atVertices(const pipeline::ByteImage& image, uint32_t channel, const AssetView& asset);
 
 // Length of the diagonal of the bounding box at rest, root space.
 float diagonalOf(const AssetView& asset);

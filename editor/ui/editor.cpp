@@ -730,10 +730,14 @@ void Editor::drawStatus() {
   mark("status.tier");
   tooltip(drawn.reason.c_str());
   ImGui::SameLine(0.0f, 1.5f * em());
-  const preview::StageTimes& t = drawn.times;
-  const auto ms = [&](double value) { return state_.scripted ? 0.0 : value; };
-  ImGui::TextDisabled("deform %.2f  compress %.2f  smooth %.2f  respond %.2f  draw %.2f ms", ms(t.deform),
-                      ms(t.compress), ms(t.smooth), ms(t.respond), ms(t.draw));
+  std::string times;
+  for (const preview::StageTime& part : drawn.times) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.*s %.2f  ", static_cast<int>(part.name.size()), part.name.data(),
+                  state_.scripted ? 0.0 : part.milliseconds);
+    times += text;
+  }
+  ImGui::TextDisabled("%sms", times.c_str());
   mark("status.times");
   tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
   if (!session.messages().empty()) {

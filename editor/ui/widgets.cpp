@@ -132,7 +132,9 @@ bool applyTheme(float scale) {
   return found;
 }
 
-ImFont* titleFont() { return ImGui::GetIO().Fonts->Fonts.back(); }
+ImFont* titleFont() {
+  return ImGui::GetIO().Fonts->Fonts.back();
+}
 
 void beginFrame() {
   marks().before = std::move(marks().now);

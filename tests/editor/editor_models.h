@@ -1,0 +1,49 @@
+#pragma once
+
+// A small character for the editor's tests: a sheet of 24 x 24 quads, 1 unit wide, that faces +Z and is
+// middle at x = 0; morph target "squeeze" draws it together sideways to 60%, clip "go" does so in a second.
+
+#include <filesystem>
+#include <vector>
+
+#include "tests/unit/gltf_builder.h"
+
+namespace furrow::test {
+
+inline std::string editorSheet() {
+  constexpr uint32_t n = 24;
+  std::vector<float> positions, uvs, deltas;
+  std::vector<uint32_t> indices;
+  for (uint32_t y = 0; y <= n; ++y)
+    for (uint32_t x = 0; x <= n; ++x) {
+      const float u = static_cast<float>(x) / n, v = static_cast<float>(y) / n;
+      positions.insert(positions.end(), {u - 0.5f, v - 0.5f, 0.05f * u * v});
+      uvs.insert(uvs.end(), {u, 1.0f - v});
+      deltas.insert(deltas.end(), {-0.4f * (u - 0.5f), 0.0f, 0.0f});
+      if (x == n || y == n) continue;
+      const uint32_t a = y * (n + 1) + x, b = a + n + 1;
+      indices.insert(indices.end(), {a, a + 1, b + 1, a, b + 1, b});
+    }
+  GltfBuilder builder;
+  builder.add(positions, "VEC3", 3);
+  builder.add(indices, "SCALAR", 1);
+  builder.add(uvs, "VEC2", 2);
+  builder.add(deltas, "VEC3", 3);
+  builder.add(std::vector<float>{0.0f, 1.0f}, "SCALAR", 1);
+  builder.add(std::vector<float>{0.0f, 1.0f}, "SCALAR", 1);
+  return builder.glb(
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"materials":[{"name":"cloth"}],)"
+      R"("animations":[{"name":"go","samplers":[{"input":4,"output":5}],)"
+      R"("channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}],)"
+      R"("meshes":[{"name":"Sheet","extras":{"targetNames":["squeeze"]},"primitives":[{"material":0,)"
+      R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
+}
+
+// Small maps cook fast.
+inline constexpr const char* kEditorRecipe = R"({
+  "mapSize": 128,
+  "layers": [
+    { "name": "lines", "direction": { "axis": [1, 0, 0] }, "mask": "none", "response": { "lambda": 1, "beta": 4 } },
+    { "name": "other", "direction": { "axis": [0, 1, 0] }, "compress": "none" } ] })";
+
+}  // namespace furrow::test

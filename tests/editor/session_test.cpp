@@ -1,0 +1,449 @@
+// What the editor does without a screen: edits with undo, the background cook, files that change on disk,
+// painting, playing, settings.
+
+#include "editor/session/session.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "editor/session/paint.h"
+#include "editor/session/settings.h"
+#include "furrow/jobs.h"
+#include "pipeline/error.h"
+#include "tests/editor/editor_models.h"
+
+namespace furrow::test {
+namespace {
+
+using namespace furrow::editor;
+namespace fs = std::filesystem;
+
+class SessionTest : public testing::Test {
+ protected:
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
+    return folder_.path() / name;
+  }
+  fs::path folder() const { return folder_.path(); }
+
+  // Until nothing is cooking, files have been looked at again and what they led to is done.
+  static void settle(Session& session) {
+    for (int round = 0; round < 3; ++round) {
+      session.update(1.0);
+      while (session.cooking()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        session.update(0.0);
+      }
+    }
+  }
+
+  static bool told(const Session& session, const std::string& part) {
+    for (const Message& message : session.messages())
+      if (message.text.find(part) != std::string::npos) return true;
+    return false;
+  }
+
+  static void edit(Session& session, const std::string& what,
+                   const std::function<void(pipeline::Recipe&)>& change) {
+    Content content = session.document.content();
+    change(content.recipe);
+    session.document.apply(std::move(content), what);
+  }
+
+ private:
+  ScratchFolder folder_;
+};
+
+TEST(DocumentTest, UndoAndRedoGoThroughEveryEditAndKnowWhatIsSaved) {
+  Document document({pipeline::defaultRecipe(), {}}, "/nowhere/r.json", true);
+  EXPECT_FALSE(document.dirty());
+  const auto setBeta = [&](float beta, const char* what) {
+    Content next = document.content();
+    next.recipe.layers[0].response.beta = beta;
+    document.apply(std::move(next), what);
+  };
+  const auto beta = [&] { return document.recipe().layers[0].response.beta; };
+  setBeta(5.0f, "beta");
+  setBeta(6.0f, "beta");  // the same drag
+  document.endGesture();
+  setBeta(7.0f, "beta");
+  document.endGesture();
+  setBeta(7.0f, "beta");  // no change, no step
+  EXPECT_TRUE(document.dirty());
+  EXPECT_EQ(document.undoName(), "beta");
+  document.undo();
+  EXPECT_EQ(beta(), 6.0f);
+  document.undo();
+  EXPECT_EQ(beta(), 4.0f);
+  EXPECT_FALSE(document.dirty());  // as it was saved
+  EXPECT_EQ(document.undoName(), "");
+  document.undo();
+  EXPECT_EQ(document.redoName(), "beta");
+  document.redo();
+  EXPECT_EQ(beta(), 6.0f);
+  setBeta(9.0f, "other");  // what could be made again is gone
+  EXPECT_EQ(document.redoName(), "");
+  document.undo();
+  EXPECT_EQ(beta(), 6.0f);
+}
+
+TEST_F(SessionTest, SavingWritesRecipeAndImagesThatReadBackAsTheSame) {
+  Content content{pipeline::defaultRecipe(), {}};
+  const fs::path file = folder() / "r.json", image = folder() / "r_wrinkles_bias.png";
+  content.images[image] =
+      std::make_shared<pipeline::ByteImage>(pipeline::ByteImage{8, 8, 1, std::vector<uint8_t>(64, 200)});
+  content.recipe.layers[0].bias = pipeline::Bias{{}, 0, 0.5, image};
+  Document document(content, file, false);
+  EXPECT_TRUE(document.dirty());
+  document.save(file);
+  EXPECT_FALSE(document.dirty());
+  const pipeline::Recipe read = pipeline::readRecipe(file);
+  EXPECT_EQ(pipeline::recipeText(read, file), pipeline::recipeText(document.recipe(), file));
+  EXPECT_EQ(pipeline::readByteImage(image).pixels, content.images[image]->pixels);
+  EXPECT_NE(pipeline::recipeText(read, file).find("\"r_wrinkles_bias.png\""), std::string::npos);
+
+  // Where the folder is not there nothing is lost.
+  document.undo();
+  EXPECT_THROW(document.save(folder() / "none" / "r.json"), pipeline::Error);
+  EXPECT_EQ(document.file(), file);
+}
+
+TEST_F(SessionTest, OpensASourceWithItsRecipeAndCooksInTheBackground) {
+  const fs::path source = write("sheet.glb", editorSheet());
+  write("sheet.json", kEditorRecipe);
+  Session session;
+  session.open(source);
+  EXPECT_TRUE(session.cooking());
+  settle(session);
+  ASSERT_TRUE(session.shown()) << session.error();
+  EXPECT_EQ(session.shown()->view().layerCount(), 2u);
+  EXPECT_EQ(session.shown()->view().layers[0].name, "lines");
+  EXPECT_TRUE(session.editable());
+  EXPECT_FALSE(session.document.dirty());
+  EXPECT_EQ(session.player.clip, "go");
+  // The last cook is the whole one: what `furrow cook` would give.
+  EXPECT_EQ(session.report().textures.empty(), false);
+
+  Session by_recipe;
+  by_recipe.open(folder() / "sheet.json");
+  EXPECT_EQ(by_recipe.source(), source);
+
+  const fs::path asset = folder() / "out.furrow";
+  session.cookTo(asset);
+  settle(session);
+  EXPECT_TRUE(told(session, "out.furrow: cooked"));
+  Session look;
+  look.open(asset);
+  settle(look);
+  ASSERT_TRUE(look.shown());
+  EXPECT_FALSE(look.editable());
+  EXPECT_EQ(look.shown()->view().layerCount(), 2u);
+}
+
+TEST_F(SessionTest, AFaultIsToldAndLeavesTheLastGoodStateUp) {
+  const fs::path source = write("sheet.glb", editorSheet());
+  write("sheet.json", kEditorRecipe);
+  Session session;
+  session.open(folder() / "missing.glb");
+  EXPECT_TRUE(told(session, "there is no such file"));
+  EXPECT_TRUE(session.source().empty());
+  session.open(source);
+  settle(session);
+  const auto good = session.shown();
+  ASSERT_TRUE(good);
+
+  edit(session, "bad", [](pipeline::Recipe& recipe) { recipe.layers[0].meshes = {"Nowhere"}; });
+  settle(session);
+  EXPECT_NE(session.error().find("Nowhere"), std::string::npos);
+  EXPECT_EQ(session.shown(), good);
+  session.document.undo();
+  settle(session);
+  EXPECT_EQ(session.error(), "");
+  EXPECT_TRUE(session.shown());
+}
+
+TEST_F(SessionTest, LambdaAndBetaNeedNoCook) {
+  const fs::path source = write("sheet.glb", editorSheet());
+  write("sheet.json", kEditorRecipe);
+  Session session;
+  session.open(source);
+  settle(session);
+  const auto before = session.shown();
+  edit(session, "beta", [](pipeline::Recipe& recipe) { recipe.layers[0].response.beta = 9.0f; });
+  settle(session);
+  EXPECT_EQ(session.shown(), before);
+  EXPECT_EQ(session.responses(*before)[0].beta, 9.0f);
+  edit(session, "spacing", [](pipeline::Recipe& recipe) { recipe.map_size = 64; });
+  settle(session);
+  EXPECT_NE(session.shown(), before);
+}
+
+TEST_F(SessionTest, WhatChangesOnDiskIsSeen) {
+  const fs::path source = write("sheet.glb", editorSheet());
+  const fs::path recipe = write("sheet.json", kEditorRecipe);
+  Session session;
+  session.open(source);
+  settle(session);
+  std::string one = kEditorRecipe;
+  one = one.substr(0, one.find(",\n    { \"name\": \"other\"")) + "] }";
+  write("sheet.json", one);
+  settle(session);
+  EXPECT_EQ(session.document.recipe().layers.size(), 1u);
+  EXPECT_EQ(session.shown()->view().layerCount(), 1u);
+  EXPECT_FALSE(session.document.dirty());
+
+  // A recipe that cannot be read is told; what was there stays.
+  write("sheet.json", "{ \"layers\": [ ");
+  settle(session);
+  EXPECT_NE(session.error(), "");
+  EXPECT_EQ(session.shown()->view().layerCount(), 1u);
+  write("sheet.json", kEditorRecipe);
+  settle(session);
+  EXPECT_EQ(session.error(), "");
+  EXPECT_EQ(session.shown()->view().layerCount(), 2u);
+
+  // With edits that are not saved, it is asked.
+  edit(session, "beta", [](pipeline::Recipe& r) { r.layers[0].response.beta = 9.0f; });
+  write("sheet.json", one);
+  settle(session);
+  EXPECT_TRUE(session.conflict());
+  EXPECT_EQ(session.document.recipe().layers.size(), 2u);
+  session.reload();
+  settle(session);
+  EXPECT_EQ(session.document.recipe().layers.size(), 1u);
+  session.document.undo();
+  EXPECT_EQ(session.document.recipe().layers[0].response.beta, 9.0f);
+
+  // The mesh too.
+  const auto before = session.shown();
+  fs::last_write_time(source, fs::last_write_time(source) + std::chrono::seconds(2));
+  settle(session);
+  EXPECT_NE(session.shown(), before);
+}
+
+TEST_F(SessionTest, OwnSavesAreNoChange) {
+  const fs::path source = write("sheet.glb", editorSheet());
+  write("sheet.json", kEditorRecipe);
+  Session session;
+  session.open(source);
+  settle(session);
+  edit(session, "beta", [](pipeline::Recipe& r) { r.layers[0].response.beta = 9.0f; });
+  session.save(session.document.file());
+  const auto before = session.shown();
+  const uint64_t revision = session.document.revision();
+  settle(session);
+  EXPECT_EQ(session.shown(), before);
+  EXPECT_EQ(session.document.revision(), revision);
+  EXPECT_FALSE(session.document.dirty());
+  EXPECT_EQ(pipeline::readRecipe(session.document.file()).layers[0].response.beta, 9.0f);
+}
+
+TEST(PaintTest, TheBrushFadesFromItsEdgeInwards) {
+  Brush brush;
+  brush.falloff = 0.5f;
+  EXPECT_EQ(brushCover(brush, 0.0f), 1.0f);
+  EXPECT_EQ(brushCover(brush, 0.5f), 1.0f);
+  EXPECT_FLOAT_EQ(brushCover(brush, 0.75f), 0.5f);
+  EXPECT_EQ(brushCover(brush, 1.0f), 0.0f);
+  brush.falloff = 0.0f;
+  EXPECT_EQ(brushCover(brush, 0.999f), 1.0f);
+}
+
+class PaintedSheet : public SessionTest {
+ protected:
+  void SetUp() override {
+    write("sheet.json", kEditorRecipe);
+    session_.open(write("sheet.glb", editorSheet()));
+    settle(session_);
+    ASSERT_TRUE(session_.shown()) << session_.error();
+    canvas_ = std::make_shared<Canvas>(asset(), session_.document.recipe().layers[0], 64);
+    brush_.falloff = 0.0f;
+    brush_.strength = 1.0f;
+    brush_.size = 0.1f / diagonalOf(asset());  // a radius of 0.1
+  }
+  const AssetView& asset() const { return session_.shown()->view(); }
+  std::shared_ptr<const pipeline::ByteImage> current(Painted kind) const {
+    return std::make_shared<pipeline::ByteImage>(canvas_->current(kind, asset(), 0));
+  }
+  // The texel at a place of the sheet.
+  static const uint8_t* at(const pipeline::ByteImage& image, float x, float y) {
+    return image.at(static_cast<uint32_t>((x + 0.5f) * 64), static_cast<uint32_t>((0.5f - y) * 64));
+  }
+
+  Session session_;
+  std::shared_ptr<const Canvas> canvas_;
+  Brush brush_;
+};
+
+TEST_F(PaintedSheet, AStrokeCoversWhatIsWithinItsRadiusOnceAndOnBothSidesOfTheMirror) {
+  brush_.mirror = true;
+  brush_.bias = -1.0f;
+  brush_.strength = 0.5f;
+  Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
+  for (int turn = 0; turn < 3; ++turn)  // over the same place again and again
+    for (float y : {-0.2f, 0.2f}) stroke.moveTo({0.25f, y, 0.0f}, {0, 0, 1});
+  ASSERT_TRUE(stroke.touched());
+  const pipeline::ByteImage image = stroke.image();
+  for (float side : {-1.0f, 1.0f}) {
+    EXPECT_NEAR(*at(image, side * 0.25f, 0.0f), 64, 1);   // half way from 128 to 0
+    EXPECT_NEAR(*at(image, side * 0.25f, 0.27f), 64, 1);  // round ends
+    EXPECT_EQ(*at(image, side * 0.25f, 0.34f), 128);
+    EXPECT_EQ(*at(image, side * 0.38f, 0.0f), 128);
+  }
+  EXPECT_EQ(*at(image, 0.0f, 0.0f), 128);
+  const std::vector<float> values = stroke.vertexValues(asset());
+  for (uint32_t v = 0; v < asset().vertexCount(); ++v) {
+    const Float3 p = asset().positions[v];
+    if (std::abs(std::abs(p.x) - 0.25f) < 0.05f && std::abs(p.y) < 0.2f) {
+      EXPECT_NEAR(values[v], -0.5f, 0.01f);
+    }
+    if (std::abs(p.x) < 0.1f) {
+      EXPECT_EQ(values[v], 0.0f);
+    }
+  }
+}
+
+TEST_F(PaintedSheet, TheBrushDoesNotReachTheOtherSide) {
+  Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
+  stroke.moveTo({0.0f, 0.0f, 0.0f}, {0, 0, -1});
+  EXPECT_FALSE(stroke.touched());
+}
+
+TEST_F(PaintedSheet, CombingAlongACreaseGivesTheDirectionAcrossIt) {
+  Stroke stroke(canvas_, current(Painted::kDirection), Painted::kDirection, brush_, diagonalOf(asset()));
+  stroke.moveTo({-0.3f, -0.3f, 0.0f}, {0, 0, 1});
+  stroke.moveTo({0.3f, 0.3f, 0.0f}, {0, 0, 1});  // creases rise to the right
+  const pipeline::ByteImage image = stroke.image();
+  const uint8_t* texel = at(image, 0.0f, 0.0f);
+  const float x = texel[0] / 127.5f - 1.0f, y = texel[1] / 127.5f - 1.0f;
+  EXPECT_NEAR(x * y, -0.5f, 0.05f);  // across: down to the right, or up to the left
+  EXPECT_NEAR(std::hypot(x, y), 1.0f, 0.02f);
+
+  // As the cook reads it: the same direction on the surface.
+  Content content = session_.document.content();
+  const fs::path file = paintedFile(session_.document.file(), "lines", Painted::kDirection);
+  content.images[file] = std::make_shared<pipeline::ByteImage>(image);
+  content.recipe.layers[0].direction = pipeline::DirectionTexture{file};
+  session_.document.apply(std::move(content), "comb");
+  settle(session_);
+  ASSERT_EQ(session_.error(), "");
+  for (uint32_t p = 0; p < asset().pointCount(); ++p) {
+    const Float3 at_rest = asset().positions[asset().point_vertex[p]];
+    const int8_t* d = &asset().layers[0].directions[4 * size_t{p}];
+    if (std::abs(at_rest.x - at_rest.y) < 0.03f && std::abs(at_rest.x) < 0.2f) {
+      EXPECT_NEAR(d[0] * d[1] / (127.0f * 127.0f), -0.5f, 0.06f);
+    }
+  }
+}
+
+TEST_F(PaintedSheet, PaintedBiasIsWhatTheCookReads) {
+  Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
+  stroke.moveTo({0.2f, 0.1f, 0.0f}, {0, 0, 1});
+  Content content = session_.document.content();
+  const fs::path file = paintedFile(session_.document.file(), "lines", Painted::kBias);
+  content.images[file] = std::make_shared<pipeline::ByteImage>(stroke.image());
+  content.recipe.layers[0].bias = pipeline::Bias{{}, 0, 0.5, file};
+  session_.document.apply(std::move(content), "paint");
+  settle(session_);
+  ASSERT_EQ(session_.error(), "");
+  const std::vector<float> painted = stroke.vertexValues(asset());
+  const std::span<const int16_t> cooked = asset().layers[0].bias;
+  ASSERT_EQ(cooked.size(), painted.size());
+  float largest = 0.0f;
+  for (size_t v = 0; v < painted.size(); ++v) {
+    EXPECT_NEAR(static_cast<float>(cooked[v]) / 32767.0f, painted[v], 1e-4f);
+    largest = std::max(largest, painted[v]);
+  }
+  EXPECT_NEAR(largest, 1.0f, 0.01f);
+
+  // Saved, it cooks the same from the files.
+  session_.save(session_.document.file());
+  Session again;
+  again.open(folder() / "sheet.glb");
+  settle(again);
+  ASSERT_TRUE(again.shown()) << again.error();
+  EXPECT_TRUE(std::ranges::equal(again.shown()->view().layers[0].bias, cooked));
+}
+
+TEST_F(PaintedSheet, TheRayFindsThePlaceUnderIt) {
+  const preview::PosedFrame frame = session_.player.frame(*session_.shown()->loaded);
+  PosedSurface& surface = session_.shown()->surface;
+  surface.pose(frame.input);
+  const glm::vec3 origin(frame.origin[0], frame.origin[1], frame.origin[2]);
+  const auto hit = surface.hit(glm::vec3(0.21f, -0.13f, 5.0f) - origin, {0, 0, -1});
+  ASSERT_TRUE(hit);
+  const glm::vec3 rest = surface.restAt(hit->triangle, hit->barycentric);
+  EXPECT_NEAR(rest.x, 0.21f, 1e-4f);
+  EXPECT_NEAR(rest.y, -0.13f, 1e-4f);
+  EXPECT_FALSE(surface.hit(glm::vec3(0.7f, 0.0f, 5.0f) - origin, {0, 0, -1}));
+  const SurfaceHit near = surface.nearestAtRest({0.21f, -0.13f, 1.0f});
+  EXPECT_NEAR(surface.restAt(near.triangle, near.barycentric).x, 0.21f, 0.05f);
+}
+
+TEST_F(PaintedSheet, TheHistogramSeesTheSqueeze) {
+  session_.player.morphs["squeeze"] = 1.0f;
+  const preview::PosedFrame frame = session_.player.frame(*session_.shown()->loaded);
+  session_.shown()->surface.pose(frame.input);
+  for (float length : session_.shown()->surface.stretches(0, 1.0f)) EXPECT_NEAR(length, 0.6f, 0.01f);
+}
+
+TEST_F(PaintedSheet, BreathingSqueezesByTheSquareOfItsLength) {
+  Player& player = session_.player;
+  player.clip.clear();
+  player.breathing.on = true;
+  player.breathing.amplitude = 0.2f;
+  player.time = 0.75 * player.breathing.period;  // as small as it gets
+  const preview::PosedFrame frame = player.frame(*session_.shown()->loaded);
+  session_.shown()->surface.pose(frame.input);
+  for (float length : session_.shown()->surface.stretches(0, 1.0f)) EXPECT_NEAR(length, 0.8f, 1e-3f);
+  player.breathing.axes[0] = false;
+  session_.shown()->surface.pose(player.frame(*session_.shown()->loaded).input);
+  for (float length : session_.shown()->surface.stretches(0, 1.0f)) EXPECT_NEAR(length, 1.0f, 1e-3f);
+}
+
+TEST_F(PaintedSheet, PlayingLoopsOrStopsAndHeldSlidersWin) {
+  Player& player = session_.player;
+  const pipeline::Rig& rig = session_.shown()->loaded->rig;
+  player.playing = true;
+  player.speed = 2.0f;
+  player.advance(rig, 0.7);
+  EXPECT_NEAR(player.time, 0.4, 1e-9);
+  EXPECT_NEAR(player.pose(rig).morph_weights[0], 0.4, 1e-6);
+  player.morphs["squeeze"] = 0.9f;
+  EXPECT_NEAR(player.pose(rig).morph_weights[0], 0.9, 1e-6);
+  player.loop = false;
+  player.advance(rig, 5.0);
+  EXPECT_EQ(player.time, 1.0);
+  EXPECT_FALSE(player.playing);
+}
+
+TEST_F(SessionTest, SettingsComeBackAndDamagedOnesAreTheDefaults) {
+  const fs::path file = folder() / "config" / "furrow" / "editor.json";
+  Settings settings;
+  for (int i = 0; i < 15; ++i) settings.opened("/models/" + std::to_string(i) + ".glb");
+  settings.opened("/models/9.glb");
+  settings.width = 1200;
+  settings.scale = 1.5f;
+  settings.tier = "cpu";
+  settings.show_right = false;
+  writeSettings(file, settings);
+  const Settings read = readSettings(file);
+  EXPECT_EQ(read.recent.size(), Settings::kMostRecent);
+  EXPECT_EQ(read.recent[0], "/models/9.glb");
+  EXPECT_EQ(read.recent[1], "/models/14.glb");
+  EXPECT_EQ(read.width, 1200);
+  EXPECT_EQ(read.scale, 1.5f);
+  EXPECT_EQ(read.tier, "cpu");
+  EXPECT_FALSE(read.show_right);
+  EXPECT_EQ(readSettings(folder() / "none.json").width, Settings().width);
+  EXPECT_EQ(readSettings(write("bad.json", "{ \"width\": ")).width, Settings().width);
+  EXPECT_EQ(
+      readSettings(write("odd.json", R"({"width": -3, "scale": "big", "recent": 4, "tier": "x"})")).tier,
+      "auto");
+}
+
+}  // namespace
+}  // namespace furrow::test
