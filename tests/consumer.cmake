@@ -35,6 +35,7 @@ run_well(${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR} -DCMAKE_CXX_C
 set(touched "everything")
 build_cooks(brow cuff)
 run_well(${build}/game ${brow} ${cuff})
+run_well(${build}/plain ${cuff})
 
 set(touched "nothing")
 build_cooks()
