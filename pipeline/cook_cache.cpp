@@ -75,7 +75,7 @@ const std::string& toolKey() {
     hasher.add(FURROW_VERSION);
     hasher.add(std::to_string(kFormatVersion));
     hasher.addFile(std::filesystem::read_symlink("/proc/self/exe"));
-    hasher.addFile(imageModuleFile());
+    if (std::filesystem::exists(imageModuleFile())) hasher.addFile(imageModuleFile());
     return hasher.digits();
   }();
   return key;
