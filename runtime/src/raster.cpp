@@ -162,21 +162,26 @@ void fillPolygon(const ScreenPolygon& polygon, uint32_t id, const Tile& tile, co
 
 // A pixel from the triangles at its samples; each of them is shaded once.
 Float4 pixelColor(const uint32_t* triangles, uint32_t samples, TriangleShader& shader, int32_t x, int32_t y) {
-  Float4 sum = {0.0f, 0.0f, 0.0f, 0.0f};
+  uint32_t seen[kMaxRasterSamples];
+  float shares[kMaxRasterSamples];
+  uint32_t count = 0;
   const float share = 1.0f / static_cast<float>(samples);
   for (uint32_t s = 0; s < samples; ++s) {
     const uint32_t triangle = triangles[size_t{s} * kTilePixels];
-    if (triangle == kNoTriangle) continue;
-    bool seen = false;
-    float weight = share;
-    for (uint32_t other = 0; other < samples; ++other) {
-      if (other == s || triangles[size_t{other} * kTilePixels] != triangle) continue;
-      seen = seen || other < s;
-      weight += share;
+    uint32_t i = 0;
+    while (i < count && seen[i] != triangle) ++i;
+    if (i == count) {
+      seen[count] = triangle;
+      shares[count++] = 0.0f;
     }
-    if (seen) continue;
-    const Float3 c = shader.color(triangle, x + 0.5, y + 0.5);
-    sum = {sum.x + weight * c.x, sum.y + weight * c.y, sum.z + weight * c.z, sum.w + weight};
+    shares[i] += share;
+  }
+  Float4 sum = {0.0f, 0.0f, 0.0f, 0.0f};
+  for (uint32_t i = 0; i < count; ++i) {
+    if (seen[i] == kNoTriangle) continue;
+    const Float3 c = shader.color(seen[i], x + 0.5, y + 0.5);
+    const float w = shares[i];
+    sum = {sum.x + w * c.x, sum.y + w * c.y, sum.z + w * c.z, sum.w + w};
   }
   return sum;
 }

@@ -18,6 +18,22 @@ float floorOf(float x) {
   return whole > x ? whole - 1.0f : whole;
 }
 
+// A texel of a slice whose rows are `width` long; BC4 has two ends, then three bits a texel.
+float bc4Texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y) {
+  uint64_t block;
+  std::memcpy(&block, slice + (size_t{y / 4} * ((width + 3) / 4) + x / 4) * 8, sizeof block);
+  const auto end0 = static_cast<int32_t>(block & 255), end1 = static_cast<int32_t>(block >> 8 & 255);
+  const auto code = static_cast<int32_t>(block >> (16 + 3 * (4 * (y % 4) + x % 4)) & 7);
+  if (code < 2) return static_cast<float>(code == 0 ? end0 : end1) * (1.0f / 255.0f);
+  if (end0 > end1)
+    return static_cast<float>((8 - code) * end0 + (code - 1) * end1) * (1.0f / (7.0f * 255.0f));
+  if (code >= 6) return code == 6 ? 0.0f : 1.0f;
+  return static_cast<float>((6 - code) * end0 + (code - 1) * end1) * (1.0f / (5.0f * 255.0f));
+}
+float rgba8Texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y, uint32_t channel) {
+  return static_cast<float>(slice[(size_t{y} * width + x) * 4 + channel]) * (1.0f / 255.0f);
+}
+
 }  // namespace
 
 void SliceSampler::select(const Texture& texture) {
@@ -28,22 +44,6 @@ void SliceSampler::select(const Texture& texture) {
                       std::max(texture.width >> level, 1u), std::max(texture.height >> level, 1u)};
     data += levels_[level].slice_bytes * texture.slices;
   }
-}
-
-float SliceSampler::texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y,
-                          uint32_t channel) const {
-  if (texture_->format == TextureFormat::kRgba8)
-    return static_cast<float>(slice[(size_t{y} * width + x) * 4 + channel]) * (1.0f / 255.0f);
-  // BC4: two ends, then three bits a texel.
-  uint64_t block;
-  std::memcpy(&block, slice + (size_t{y / 4} * ((width + 3) / 4) + x / 4) * 8, sizeof block);
-  const auto end0 = static_cast<int32_t>(block & 255), end1 = static_cast<int32_t>(block >> 8 & 255);
-  const auto code = static_cast<int32_t>(block >> (16 + 3 * (4 * (y % 4) + x % 4)) & 7);
-  if (code < 2) return static_cast<float>(code == 0 ? end0 : end1) * (1.0f / 255.0f);
-  if (end0 > end1)
-    return static_cast<float>((8 - code) * end0 + (code - 1) * end1) * (1.0f / (7.0f * 255.0f));
-  if (code >= 6) return code == 6 ? 0.0f : 1.0f;
-  return static_cast<float>((6 - code) * end0 + (code - 1) * end1) * (1.0f / (5.0f * 255.0f));
 }
 
 float SliceSampler::bilinear(const Level& level, uint32_t slice, uint32_t channel, const float uv[2]) const {
@@ -57,10 +57,14 @@ float SliceSampler::bilinear(const Level& level, uint32_t slice, uint32_t channe
   const uint32_t y0 = top < 0.0f ? height - 1 : std::min(static_cast<uint32_t>(top), height - 1);
   const uint32_t x1 = x0 + 1 == width ? 0 : x0 + 1, y1 = y0 + 1 == height ? 0 : y0 + 1;
   const float fx = x - left, fy = y - top;
-  const auto row = [&](uint32_t at) {
-    return texel(data, width, x0, at, channel) * (1.0f - fx) + texel(data, width, x1, at, channel) * fx;
+  const auto mix = [&](const auto& texel) {
+    const float upper = texel(x0, y0) * (1.0f - fx) + texel(x1, y0) * fx;
+    const float lower = texel(x0, y1) * (1.0f - fx) + texel(x1, y1) * fx;
+    return upper * (1.0f - fy) + lower * fy;
   };
-  return row(y0) * (1.0f - fy) + row(y1) * fy;
+  if (texture_->format == TextureFormat::kBc4)
+    return mix([&](uint32_t column, uint32_t line) { return bc4Texel(data, width, column, line); });
+  return mix([&](uint32_t column, uint32_t line) { return rgba8Texel(data, width, column, line, channel); });
 }
 
 float SliceSampler::at(uint32_t slice, uint32_t channel, const float uv[2], const float right[2],

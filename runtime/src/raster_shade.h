@@ -26,7 +26,6 @@ class SliceSampler {
   };
 
   float bilinear(const Level& level, uint32_t slice, uint32_t channel, const float uv[2]) const;
-  float texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y, uint32_t channel) const;
 
   const Texture* texture_ = nullptr;
   Level levels_[kMaxRasterLevels] = {};
