@@ -28,7 +28,7 @@ const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::k
 
 struct Options {
   std::string asset, out, size = "1024x1024", layer;
-  std::string shading, view = "beauty";
+  std::string shading, lighting = "ggx", view = "beauty";
   float yaw = 0.0f, pitch = 0.0f, zoom = 1.0f;
   std::vector<float> target;
   PoseOptions pose;
@@ -56,6 +56,7 @@ void run(const Options& options) {
   render.shading = !options.shading.empty()        ? kShadings.at(options.shading)
                    : render.tier == gl::Tier::kCpu ? preview::Shading::kAlpha
                                                    : preview::Shading::kInterpolated;
+  render.lighting = options.lighting == "blinn" ? preview::Lighting::kBlinn : preview::Lighting::kGgx;
   render.view = kViews.at(options.view);
   // The cpu tier draws without OpenGL what can be drawn without it.
   const bool in_software = render.tier == gl::Tier::kCpu && !preview::whyNotInSoftware(render);
@@ -106,6 +107,10 @@ Command addRender(CLI::App& app) {
       ->add_option("--shading", options->shading,
                    "How wrinkles are drawn (default: interpolated, on the cpu tier alpha)")
       ->check(CLI::IsMember(shadings));
+  command
+      ->add_option("--lighting", options->lighting,
+                   "Reflection: ggx (default), or blinn with Larsson's fading")
+      ->check(CLI::IsMember({"ggx", "blinn"}));
   command->add_option("--view", options->view, "What is drawn (default beauty)")->check(CLI::IsMember(views));
   command->add_option("--layer", options->layer,
                       "Layer that the views of one layer show (default: the first)");

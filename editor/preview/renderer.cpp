@@ -170,7 +170,8 @@ struct Renderer::State {
   void drawStrokes(const RenderOptions& options);
 
   const AssetView& asset;
-  std::map<std::tuple<View, Shading, bool>, GlObject> surface;  // programs by surfaceProgram()'s constants
+  std::map<std::tuple<View, Shading, Lighting, bool>, GlObject>
+      surface;  // programs by surfaceProgram()'s constants
   GlObject shadow, background, stroke;
   GlObject vertex_array, uvs, colors, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
   GlObject shadow_map, shadow_frame, empty_map;
@@ -222,12 +223,13 @@ void Renderer::State::makePrograms() {
 uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps) {
   // Only the beauty view knows shadings.
   const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
-  GlObject& program = surface[{options.view, shading, maps}];
+  GlObject& program = surface[{options.view, shading, options.lighting, maps}];
   if (program) return program;
   const std::string constants =
       "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
       "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
-      "u;\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
+      "u;\nconst bool kBlinn = " + (options.lighting == Lighting::kBlinn ? "true" : "false") +
+      ";\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
   program = makeProgram("surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
                         {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kLighting,
                          shaders::kSurfaceFragment});

@@ -20,13 +20,15 @@ enum class Shading : uint8_t {
   kBlend,
   kAlpha,
   kNone
-};  // Larsson's three methods, and no wrinkles
+};                                               // Larsson's three methods, and no wrinkles
+enum class Lighting : uint8_t { kGgx, kBlinn };  // skin and cloth by GGX; Blinn with Larsson's fading
 enum class View : uint8_t { kBeauty, kWeight, kDirection, kPoint, kMask, kBias, kConfidence, kMorph };
 
 struct RenderOptions {
   uint32_t width = 1024, height = 1024;  // 1 to 4096
   Tier tier = Tier::kGpu;
   Shading shading = Shading::kInterpolated;
+  Lighting lighting = Lighting::kGgx;
   View view = View::kBeauty;
   uint32_t layer = 0;  // for the views of one layer: weight, direction, mask, bias, confidence
   Camera camera;

@@ -191,8 +191,9 @@ VertexColors litColors(const AssetView& asset, const FrameInput& input, const Cp
       const glm::vec3 shown = beauty ? base : shownColorAt(asset, frame, options, values, v);
       const float spread = around[v].edges / std::max(around[v].count, 1.0f);
       const auto lit = [&](glm::vec3 form) {
-        const glm::vec3 c = beauty ? gpu::shade(scene.lights, glm::vec3(scene.up), base, form, form, view,
-                                                1.0f, part.roughness, shadow.at(position, form, spread))
+        const auto light = options.lighting == Lighting::kBlinn ? gpu::shadeBlinn : gpu::shade;
+        const glm::vec3 c = beauty ? light(scene.lights, glm::vec3(scene.up), base, form, form, view, 1.0f,
+                                           part.roughness, shadow.at(position, form, spread))
                                    : shown * gpu::viewLight(form, view, glm::vec3(scene.lights[0]));
         return Float3{c.x, c.y, c.z};
       };

@@ -2,21 +2,27 @@
 // normal. An engine includes this text in its pixel shader. It compiles as GLSL (3.30 and up, or ES 3.00)
 // and, with FURROW_HLSL defined, as HLSL.
 //
-// In one line a layer:
+// In one call, from control flow that a whole triangle goes through:
+//
+//   FurrowSurface surface = furrowSurface(base_normal, uv, layers);
+//   surface.normal, surface.cavity, furrowRoughness(roughness, surface.variance): light with these
+//
+// or, where that does not fit, in one line a layer:
 //
 //   FurrowWrinkles wrinkles = furrowBegin(base_normal);
 //   furrowAddLayer(wrinkles, weight, slices, uv);  // each layer; weight: the interpolated w of the vertices
 //   vec3 normal = furrowNormal(wrinkles);          // tangent space, unit
 //
-// furrowAddLayer fetches the maps through macros that the engine defines first. They are called in divergent
-// control flow: sample with explicit gradients there. A slice may cover a part of UV space only, `at` is where
-// in it uv lies, and the gradients of `at` are those of uv times `zoom`. All textures repeat.
+// They fetch the maps through macros that the engine defines first. Those are called in divergent control flow:
+// sample with explicit gradients there. A slice may cover a part of UV space only, `at` is where in it uv lies,
+// and the gradients of `at` are those of uv times `zoom`. All textures repeat.
 //   FURROW_WINDOW(slice)             vec4 of TextureSet::windows
 //   FURROW_NORMAL(at, slice, zoom)   vec2 of TextureSet::normals
 //   FURROW_SHADING(at, slice, zoom)  float of TextureSet::shading
 //   FURROW_MASK(uv, slice)           vec4 of TextureSet::masks; not defined: weights come times Layer::mask
-// Without FURROW_NORMAL the library has no furrowAddLayer and the engine puts the functions below together
-// itself.
+//   FURROW_WEIGHT(layer)             float, the interpolated weight of a layer (furrowSurface alone)
+//   FURROW_SLICES(layer)             uvec4, what furrowAddLayer takes as slices (furrowSurface alone)
+// Without FURROW_NORMAL the library has neither and the engine puts the functions below together itself.
 //
 // FURROW_COMBINE chooses how layers and the base normal add up:
 //   0  surface gradients: slopes weighted by w and summed, in any order (Mikkelsen 2020); the default
@@ -34,6 +40,8 @@
 #define mix lerp
 #define fract frac
 #define inversesqrt rsqrt
+#define dFdx ddx
+#define dFdy ddy
 #endif
 
 #ifndef FURROW_COMBINE
@@ -174,4 +182,24 @@ void furrowAddLayer(inout FurrowWrinkles wrinkles, float weight, uvec4 slices, v
   furrowAddNormal(wrinkles, furrowDecodeNormal(FURROW_NORMAL(at, slice, window.zw)), I);
   wrinkles.shading *= 1.0 - I * FURROW_SHADING(at, slice, window.zw);
 }
+
+#ifdef FURROW_WEIGHT
+struct FurrowSurface {
+  vec3 normal;     // tangent space, unit
+  float cavity;    // 1 outside creases: times ambient and reflected light
+  float variance;  // of the slope under this pixel, for furrowRoughness
+};
+
+FurrowSurface furrowSurface(vec3 base_normal, vec2 uv, uint layers) {
+  FurrowWrinkles wrinkles = furrowBegin(base_normal);
+  for (uint layer = 0u; layer < layers; ++layer)
+    furrowAddLayer(wrinkles, FURROW_WEIGHT(layer), FURROW_SLICES(layer), uv);
+  FurrowSurface surface;
+  surface.normal = furrowNormal(wrinkles);
+  surface.cavity = wrinkles.shading;
+  vec2 slope = furrowSlope(surface.normal);
+  surface.variance = furrowSlopeVariance(dFdx(slope), dFdy(slope));
+  return surface;
+}
+#endif
 #endif

@@ -137,19 +137,19 @@ vec2 uv_dx, uv_dy;
 #define FURROW_NORMAL(at, slice, zoom) textureGrad(normal_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).xy
 #define FURROW_SHADING(at, slice, zoom) textureGrad(shading_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).x
 #define FURROW_MASK(uv, slice) textureGrad(mask_maps, vec3(uv, float(slice)), uv_dx, uv_dy)
+#define FURROW_WEIGHT(layer) layer_weights[layer / 4u][layer % 4u]
+#define FURROW_SLICES(layer) slices[layer]
 )";
 const char* const kFragmentBody = R"(
 void main() {
   uv_dx = dFdx(at_uv);
   uv_dy = dFdy(at_uv);
-  FurrowWrinkles wrinkles = furrowBegin(vec3(0.0, 0.0, 1.0));
-  for (int l = 0; l < layers && has_maps; ++l)
-    furrowAddLayer(wrinkles, layer_weights[l / 4][l % 4], slices[l], at_uv);
+  FurrowSurface wrinkles = furrowSurface(vec3(0.0, 0.0, 1.0), at_uv, has_maps ? uint(layers) : 0u);
   vec3 form = normalize(normal);
-  vec3 n = normalize(mat3(tangent.xyz, tangent.w * cross(form, tangent.xyz), form) * furrowNormal(wrinkles));
+  vec3 n = normalize(mat3(tangent.xyz, tangent.w * cross(form, tangent.xyz), form) * wrinkles.normal);
   vec3 lamp = normalize(vec3(-0.6, 0.7, 0.5));
   float light = furrowFade(dot(form, lamp)) * max(dot(n, lamp), 0.0) * 0.8 + 0.15 + 0.05 * n.y;
-  pixel = vec4(pow(color * tint.rgb * light * mix(1.0, wrinkles.shading, 0.6), vec3(1.0 / 2.2)), 1.0);
+  pixel = vec4(pow(color * tint.rgb * light * mix(1.0, wrinkles.cavity, 0.6), vec3(1.0 / 2.2)), 1.0);
 }
 )";
 

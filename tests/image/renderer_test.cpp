@@ -144,6 +144,19 @@ TEST_F(RendererTest, SqueezeRaisesLinesAcrossItAndRestDoesNot) {
             3.0f * roughness(pinched, 0.45f, 0.4f, 0.55f, 0.55f, true));
 }
 
+TEST_F(RendererTest, BlinnShowsThemToo) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  RenderOptions options = optionsFor(View::kBeauty);
+  const Image ggx = render(renderer, options, {0.25f, 0});
+  options.lighting = preview::Lighting::kBlinn;
+  const Image blinn = render(renderer, options, {0.25f, 0});
+  options.shading = Shading::kNone;
+  const float smooth = roughness(render(renderer, options, {0.25f, 0}), 0.45f, 0.45f, 0.55f, 0.6f, true);
+  EXPECT_GT(roughness(blinn, 0.45f, 0.45f, 0.55f, 0.6f, true), 4.0f * smooth);
+  EXPECT_GT(largestDifference(ggx, blinn), 0.03f);
+}
+
 TEST_F(RendererTest, NothingWrinklesOutsideTheMask) {
   const BallAsset ball;
   preview::Renderer renderer(ball.view());

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/preview/shaders/lighting.h"
 #include "shade_text.h"
 #include "tests/image/gl_fixture.h"
 
@@ -302,6 +303,25 @@ TEST_F(ShadeTest, EveryCombinationCompilesAndAgreesOnOneLayer) {
     EXPECT_NEAR(r.y, first.y, 1e-6f);
     EXPECT_NEAR(r.z, first.z, 1e-6f);
   }
+}
+
+// Larsson's equations 12 and 13: light comes in over the terminator within an eighth, whatever the bump.
+TEST(Lighting, BlinnFadesWhereTheSurfaceTurnsAway) {
+  using glm::vec3;
+  const vec3 l(0, 0, 1), up(0, 1, 0), view(0, 0, 1), base(0.5f);
+  const glm::vec4 lights[3] = {glm::vec4(l, 1.0f), glm::vec4(l, 0.0f), glm::vec4(l, 0.0f)};
+  const vec3 bumped = glm::normalize(vec3(0, 0.3f, 1));
+  const auto lit = [&](float cosine) {
+    const vec3 form(std::sqrt(1.0f - cosine * cosine), 0, cosine);
+    return preview::gpu::shadeBlinn(lights, up, base, form, bumped, view, 1.0f, 0.5f, 1.0f).g;
+  };
+  const float sky = lit(-0.2f), all = lit(0.125f) - sky;
+  EXPECT_GT(all, 0.3f);
+  EXPECT_EQ(lit(0.0f), sky);
+  EXPECT_NEAR(lit(1.0f / 16.0f) - sky, 0.5f * all, 1e-5f);
+  EXPECT_NEAR(lit(0.9f) - sky, all, 1e-5f);
+  // In shadow nothing of the key is left.
+  EXPECT_NEAR(preview::gpu::shadeBlinn(lights, up, base, l, bumped, view, 1.0f, 0.5f, 0.0f).g, sky, 1e-6f);
 }
 
 }  // namespace

@@ -79,6 +79,22 @@ FURROW_FUNCTION vec3 shade(const vec4 lights[3], vec3 up, vec3 base, vec3 form, 
   return total;
 }
 
+// The same lights by Blinn and Phong, faded as Larsson does where the unbumped surface turns away [L, eq. 12,
+// 13].
+FURROW_FUNCTION vec3 shadeBlinn(const vec4 lights[3], vec3 up, vec3 base, vec3 form, vec3 n, vec3 v,
+                                float cavity, float roughness, float shadow) {
+  float exponent = 2.0f / max(roughness * roughness * roughness * roughness, 1e-3f);  // as wide as GGX's peak
+  vec3 total =
+      base * mix(vec3(0.085f, 0.07f, 0.06f), vec3(0.2f, 0.215f, 0.24f), 0.5f + 0.5f * dot(n, up)) * cavity;
+  for (int i = 0; i < 3; ++i) {
+    vec3 l = vec3(lights[i]);
+    vec3 tint = lights[i].w * (i == 0 ? keyTint() * shadow : i == 1 ? fillTint() : rimTint());
+    float shine = 0.1f * pow(max(dot(n, normalize(v + l)), 0.0f), exponent);
+    total += tint * furrowFade(dot(form, l)) * (base * max(dot(n, l), 0.0f) + vec3(shine)) * cavity;
+  }
+  return total;
+}
+
 // The light on a view that shows values.
 FURROW_FUNCTION float viewLight(vec3 form, vec3 v, vec3 key) {
   return 0.45f + 0.4f * max(dot(form, v), 0.0f) + 0.35f * max(dot(form, key), 0.0f);

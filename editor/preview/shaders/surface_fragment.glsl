@@ -1,4 +1,4 @@
-// kView, kShading and kMaps (whether the part has maps) are constants: software renderers run both sides of
+// kView, kShading, kBlinn and kMaps (whether the part has maps) are constants: software renderers run both sides of
 // every branch that is not one.
 
 uniform sampler2DShadow shadow_map;
@@ -19,6 +19,11 @@ float shadowAt(vec3 position, vec3 normal) {
 }
 
 float component(vec4 values[4], uint layer) { return values[layer / 4u][layer % 4u]; }
+
+vec3 light(vec3 base, vec3 form, vec3 n, vec3 v, float cavity, float roughness, float shadow) {
+  return kBlinn ? shadeBlinn(scene.lights, scene.up.xyz, base, form, n, v, cavity, roughness, shadow)
+                : shade(scene.lights, scene.up.xyz, base, form, n, v, cavity, roughness, shadow);
+}
 
 float maskAt(uint layer) {
   if (scene.given_values != 0u) return vertex.value.x;
@@ -75,13 +80,13 @@ void main() {
         crease *= one.shading;
       }
     }
-    vec3 lit = shade(scene.lights, scene.up.xyz, base, form, form, v, 1.0, material.roughness, shadow);
+    vec3 lit = light(base, form, form, v, 1.0, material.roughness, shadow);
     color = vec4(toneMap(furrowAlphaShade(lit, 1.0, 1.0 - crease) * scene.up.w), 1.0);
     return;
   }
 
   if (kShading == kShadingBlend) {
-    vec3 plain = shade(scene.lights, scene.up.xyz, base, form, form, v, 1.0, material.roughness, shadow);
+    vec3 plain = light(base, form, form, v, 1.0, material.roughness, shadow);
     vec3 total = plain;
     for (uint i = 0u; i < scene.layers; ++i) {
       float w = component(vertex.weights, i);
@@ -91,19 +96,15 @@ void main() {
       uvec4 unmasked = uvec4(material.slices[i].xy, FURROW_NO_SLICE, 0u);
       furrowAddLayer(full, sign(w), unmasked, vertex.uv);
       vec3 n = normalize(frame * furrowNormal(full));
-      vec3 bumped = shade(scene.lights, scene.up.xyz, base, form, n, v, full.shading, material.roughness, shadow);
+      vec3 bumped = light(base, form, n, v, full.shading, material.roughness, shadow);
       total += furrowBlend(plain, bumped, I) - plain;
     }
     color = vec4(toneMap(max(total, 0.0) * scene.up.w), 1.0);
     return;
   }
 
-  FurrowWrinkles wrinkles = furrowBegin(vec3(0.0, 0.0, 1.0));
-  for (uint i = 0u; i < scene.layers; ++i)
-    furrowAddLayer(wrinkles, component(vertex.weights, i), material.slices[i], vertex.uv);
-  vec3 bump = furrowNormal(wrinkles);
-  vec2 slope = furrowSlope(bump);
-  float roughness = furrowRoughness(material.roughness, furrowSlopeVariance(dFdx(slope), dFdy(slope)));
-  vec3 n = normalize(frame * bump);
-  color = vec4(toneMap(shade(scene.lights, scene.up.xyz, base, form, n, v, wrinkles.shading, roughness, shadow) * scene.up.w), 1.0);
+  FurrowSurface surface = furrowSurface(vec3(0.0, 0.0, 1.0), vertex.uv, scene.layers);
+  float roughness = furrowRoughness(material.roughness, surface.variance);
+  vec3 n = normalize(frame * surface.normal);
+  color = vec4(toneMap(light(base, form, n, v, surface.cavity, roughness, shadow) * scene.up.w), 1.0);
 }

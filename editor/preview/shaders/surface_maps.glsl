@@ -15,6 +15,8 @@ uniform sampler2DArray mask_maps;
 
 vec2 uv_dx, uv_dy;
 #define FURROW_WINDOW(slice) material.windows[slice]
+#define FURROW_WEIGHT(layer) vertex.weights[layer / 4u][layer % 4u]
+#define FURROW_SLICES(layer) material.slices[layer]
 #define FURROW_NORMAL(at, slice, zoom) \
   textureGrad(normal_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).xy
 #define FURROW_SHADING(at, slice, zoom) \
