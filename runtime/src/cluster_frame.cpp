@@ -282,6 +282,7 @@ HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, floa
 
 // Edges of kWidth triangles by coordinate.
 struct Edges {
+  Edges() = default;
   HWY_INLINE Edges(const float* positions, const uint16_t* corner) {
     Lanes e1[4], e2[4];
     for (int i = 0; i < 4; ++i) {
@@ -368,33 +369,60 @@ struct Pack {
   const float* coefficients[kPack];
 };
 
+constexpr uint32_t kBlock = 8 * kTriangleLanes;
+
+// Edges of a block of triangles.
+struct EdgeBlock {
+  alignas(64) float x1[kBlock], y1[kBlock], z1[kBlock], x2[kBlock], y2[kBlock], z2[kBlock];
+
+  HWY_INLINE void set(uint32_t i, const Edges& e) {
+    store(e.x1, x1 + i), store(e.y1, y1 + i), store(e.z1, z1 + i);
+    store(e.x2, x2 + i), store(e.y2, y2 + i), store(e.z2, z2 + i);
+  }
+  HWY_INLINE Edges at(uint32_t i) const {
+    Edges e;
+    e.x1 = load(x1 + i), e.y1 = load(y1 + i), e.z1 = load(z1 + i);
+    e.x2 = load(x2 + i), e.y2 = load(y2 + i), e.z2 = load(z2 + i);
+    return e;
+  }
+};
+
+template <typename Measured>
+HWY_INLINE void measureBlock(const EdgeBlock& edges, uint32_t count, const float* coefficients, uint32_t each,
+                             Lanes inverse_scale2, float* q) {
+  for (uint32_t i = 0; i < count; i += kWidth)
+    store(clampQ(Measured::of(edges.at(i),
+                              coefficients + i / kTriangleLanes * kTriangleLanes * each + i % kTriangleLanes,
+                              inverse_scale2)),
+          q + i);
+}
+
 // The same for several layers at once: their q lie side by side.
 HWY_INLINE void measurePack(const Cluster& c, const uint16_t* corner, const Pack& pack, float scale,
                             const float* positions, Ahead& ahead, float* q) {
   const Lanes inverse_scale2 = all(1.0f / (scale * scale));
-  const float* coefficients[kPack];
-  std::copy(pack.coefficients, pack.coefficients + kPack, coefficients);
-  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes, corner += 3 * kTriangleLanes) {
-    ahead.step();
-    for (uint32_t i = 0; i < kTriangleLanes; i += kWidth) {
-      const Edges edges(positions, corner + 3 * i);
-      Lanes of[kPack];
-      for (uint32_t l = 0; l < kPack; ++l) {
-        of[l] = all(0.0f);
-        if (!coefficients[l]) continue;
-        const float* at = coefficients[l] + i;
-        if (pack.layers[l]->measure == Measure::kDirectional)
-          of[l] = clampQ(Directional::of(edges, at, inverse_scale2));
-        else if (pack.layers[l]->measure == Measure::kArea)
-          of[l] = clampQ(Area::of(edges, at, inverse_scale2));
-        else
-          of[l] = clampQ(Principal::of(edges, at, inverse_scale2));
-      }
-      transpose(of[0], of[1], of[2], of[3]);
-      for (uint32_t k = 0; k < 4; ++k) storeBlocks(of[k], q + kPack * (group + i + k), 4 * kPack);
+  EdgeBlock edges;
+  alignas(64) float of[kPack][kBlock] = {};
+  for (uint32_t first = 0; first < c.triangles; first += kBlock) {
+    const uint32_t count = std::min(kBlock, c.triangles - first);
+    for (uint32_t i = 0; i < count; i += kWidth) {
+      if (i % kTriangleLanes == 0) ahead.step();
+      edges.set(i, Edges(positions, corner + 3 * size_t{first + i}));
     }
-    for (uint32_t l = 0; l < kPack; ++l)
-      if (coefficients[l]) coefficients[l] += kTriangleLanes * coefficientCount(pack.layers[l]->measure);
+    for (uint32_t l = 0; l < kPack; ++l) {
+      if (!pack.coefficients[l]) continue;
+      const uint32_t each = coefficientCount(pack.layers[l]->measure);
+      const float* coefficients = pack.coefficients[l] + size_t{first} * each;
+      if (pack.layers[l]->measure == Measure::kDirectional)
+        measureBlock<Directional>(edges, count, coefficients, each, inverse_scale2, of[l]);
+      else if (pack.layers[l]->measure == Measure::kArea)
+        measureBlock<Area>(edges, count, coefficients, each, inverse_scale2, of[l]);
+      else
+        measureBlock<Principal>(edges, count, coefficients, each, inverse_scale2, of[l]);
+    }
+    for (uint32_t i = 0; i < count; i += kWidth)
+      store4(load(of[0] + i), load(of[1] + i), load(of[2] + i), load(of[3] + i),
+             q + kPack * size_t{first + i});
   }
 }
 

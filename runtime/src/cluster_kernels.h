@@ -18,7 +18,7 @@ struct RestHeader {
 };
 inline constexpr uint32_t kRestHeaderWords = 16;
 
-inline constexpr uint32_t kVertexPad = 64;  // vertices that a response works on at a time, at most
+inline constexpr uint32_t kVertexPad = 128;  // vertices that a response works on at a time, at most
 
 // Scratch memory of one cluster.
 struct ClusterScratch {

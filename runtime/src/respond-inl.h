@@ -31,7 +31,7 @@ HWY_INLINE void respondVertices(const Curve& curve, const float* q, const float*
 
 // Vectors in step with one another: a response is one long chain of operations, of which a core must have
 // several at work.
-constexpr uint32_t kTeam = 4;
+constexpr uint32_t kTeam = 8;
 struct Team {
   Lanes v[kTeam];
 };

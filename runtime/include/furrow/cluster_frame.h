@@ -19,7 +19,7 @@
 namespace furrow {
 
 // Points a cluster owns at most, so that positions and q of a cluster stay in 32 KiB.
-inline constexpr uint32_t kClusterPoints = 640;
+inline constexpr uint32_t kClusterPoints = 896;
 
 // Triangles are measured this many at a time: their coefficients lie side by side, first the first of each.
 inline constexpr uint32_t kTriangleLanes = 16;
