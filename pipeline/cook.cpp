@@ -22,6 +22,7 @@
 #include "pipeline/map_bake.h"
 #include "pipeline/pack/geometry.h"
 #include "pipeline/pack/writer.h"
+#include "pipeline/parallel.h"
 #include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {
@@ -71,8 +72,11 @@ class Cook {
     stage("baking layers");
     const MaskImages masks = maskImages();
     const LayerInput input{scene_, surface_, source_vertex_, squeeze, masks, options_.images, recipe_file_};
-    std::vector<BakedLayer> layers;
-    for (const LayerRecipe& layer : recipe_.layers) layers.push_back(bakeLayer(input, layer, dependencies_));
+    std::vector<BakedLayer> layers(recipe_.layers.size());
+    std::vector<std::vector<std::filesystem::path>> images(layers.size());
+    parallelFor(static_cast<uint32_t>(layers.size()), options_.threads,
+                [&](uint32_t l) { layers[l] = bakeLayer(input, recipe_.layers[l], images[l]); });
+    for (const auto& files : images) dependencies_.insert(dependencies_.end(), files.begin(), files.end());
     resolveNames();
     fitResponses(rings, layers);
     reportConfidence(squeeze, layers);

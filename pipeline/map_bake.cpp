@@ -13,6 +13,7 @@
 #include "pipeline/maps/authored.h"
 #include "pipeline/maps/synthesis.h"
 #include "pipeline/maps/texel_map.h"
+#include "pipeline/parallel.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -80,10 +81,12 @@ class MapBake {
     }
     if (by_material.empty()) return {};
     peaks_ = pointPeaks(in_.surface, in_.squeeze);
-    for (size_t l = 0; l < layers_.size(); ++l) {
-      compress_.push_back(prepare(recipe_.layers[l].compress, layers_[l]));
-      stretch_.push_back(prepare(recipe_.layers[l].stretch, layers_[l]));
-    }
+    compress_.resize(layers_.size());
+    stretch_.resize(layers_.size());
+    parallelFor(static_cast<uint32_t>(layers_.size()), threads_, [&](uint32_t l) {
+      compress_[l] = prepare(recipe_.layers[l].compress, layers_[l]);
+      stretch_[l] = prepare(recipe_.layers[l].stretch, layers_[l]);
+    });
     std::vector<BakedTextureSet> sets;
     for (auto& [material, set] : by_material) join(sets, std::move(set));
     for (BakedTextureSet& set : sets) bakeSet(set);
