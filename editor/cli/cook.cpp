@@ -6,10 +6,11 @@
 
 #include "editor/cli/commands.h"
 #include "editor/cli/cook_manifest.h"
-#include "editor/cli/deliver.h"
 #include "editor/cli/open_asset.h"
+#include "editor/cli/outputs.h"
 #include "pipeline/cook_cache.h"
 #include "pipeline/error.h"
+#include "pipeline/pack/output_file.h"
 
 namespace furrow::cli {
 namespace {
@@ -75,7 +76,7 @@ void write(const Options& options, std::span<const std::byte> bytes,
            const std::vector<std::filesystem::path>& inputs) {
   for (const std::string& output : {options.out, options.init}) refuseToOverwrite(output, inputs);
   if (!options.depfile.empty()) writeText(options.depfile, makeRule(options.out, inputs));
-  deliver(options.out, bytes, inputs);
+  pipeline::writeFile(options.out, bytes);
 }
 
 void run(const Options& options) {

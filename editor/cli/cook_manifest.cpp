@@ -10,14 +10,17 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <vector>
 
-#include "editor/cli/deliver.h"
 #include "editor/cli/open_asset.h"
+#include "editor/cli/outputs.h"
 #include "pipeline/error.h"
 #include "pipeline/manifest.h"
+#include "pipeline/pack/output_file.h"
 #include "pipeline/parallel.h"
 
 extern char** environ;
@@ -67,6 +70,32 @@ ChildOutcome runSelf(std::vector<std::string> words) {
   while (::waitpid(child, &outcome.status, 0) < 0 && errno == EINTR) {
   }
   return outcome;
+}
+
+bool holds(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  std::error_code error;
+  if (std::filesystem::file_size(file, error) != bytes.size() || error) return false;
+  std::ifstream in(file, std::ios::binary);
+  return std::equal(std::istreambuf_iterator<char>(in), {}, reinterpret_cast<const char*>(bytes.data()),
+                    reinterpret_cast<const char*>(bytes.data()) + bytes.size());
+}
+
+bool isNewer(const std::filesystem::path& file, std::vector<std::filesystem::path> inputs) {
+  std::error_code error;
+  inputs.push_back(std::filesystem::read_symlink("/proc/self/exe", error));  // build rules depend on the tool
+  const auto time = std::filesystem::last_write_time(file, error);
+  return !error && std::all_of(inputs.begin(), inputs.end(), [&](const std::filesystem::path& input) {
+    return std::filesystem::last_write_time(input, error) < time && !error;
+  });
+}
+
+// Writes the asset, unless the file holds these bytes already and is newer than every input and this program:
+// then nothing that is made of it need be made again. Returns whether it was written.
+bool deliver(const std::filesystem::path& output, std::span<const std::byte> bytes,
+             const std::vector<std::filesystem::path>& inputs) {
+  if (isNewer(output, inputs) && holds(output, bytes)) return false;
+  pipeline::writeFile(output, bytes);
+  return true;
 }
 
 class ManifestCook {

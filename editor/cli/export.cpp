@@ -2,6 +2,7 @@
 
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"
+#include "editor/cli/outputs.h"
 #include "pipeline/error.h"
 #include "pipeline/gltf_export.h"
 #include "pipeline/pack/output_file.h"
@@ -22,10 +23,7 @@ Command addExport(CLI::App& app) {
     using pipeline::Exit;
     if (std::filesystem::path(options->out).extension() != ".glb")
       throw Error(Exit::kBadUsage, options->out, "GLB is what is written", "give a name that ends in .glb");
-    std::error_code ignored;
-    if (std::filesystem::equivalent(options->asset, options->out, ignored))
-      throw Error(Exit::kBadUsage, options->out, "the output would overwrite the input",
-                  "choose another name for it");
+    refuseToOverwrite(options->out, {options->asset});
     const OpenedAsset opened = openAsset(options->asset);
     pipeline::writeFile(options->out, pipeline::exportGlb(opened.asset.view(), opened.rig));
     printWarnings(options->asset, opened.warnings);

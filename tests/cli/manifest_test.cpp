@@ -1,5 +1,7 @@
 // furrow cook --manifest and the cache: many cooks, none done twice, none lost.
 
+#include <signal.h>
+
 #include <cstdlib>
 #include <set>
 
@@ -118,6 +120,27 @@ TEST_F(Manifest, GoesOnAfterAFailure) {
   EXPECT_TRUE(std::filesystem::exists(output() / "good.furrow"));
   for (const char* none : {"missing", "map", "torn"})
     EXPECT_FALSE(std::filesystem::exists(output() / (std::string(none) + ".furrow")));
+}
+
+// A cook that dies takes none of the others with it.
+TEST_F(Manifest, OutlivesACookThatIsKilled) {
+  const pid_t parent = start({"cook", "--manifest", manifest, "--no-cache", "-j", "1"}, FURROW_TOOL,
+                             "/dev/null", folder() / "lines");
+  const std::string pid = std::to_string(parent);
+  pid_t child = 0;
+  while (!(std::ifstream("/proc/" + pid + "/task/" + pid + "/children") >> child) && ::kill(parent, 0) == 0)
+    std::this_thread::yield();
+  ASSERT_EQ(::kill(child, SIGKILL), 0) << "the cook was over already";
+  int status = 0;
+  ASSERT_EQ(::waitpid(parent, &status, 0), parent);
+  const std::string lines = readText(folder() / "lines");
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(lines.find("one.furrow: its cook was ended by signal 9: run 'furrow cook' on it alone\n"),
+            std::string::npos)
+      << lines;
+  EXPECT_NE(lines.find("1 of 2 assets failed (1 cooked)"), std::string::npos) << lines;
+  EXPECT_FALSE(std::filesystem::exists(one));
+  EXPECT_TRUE(std::filesystem::exists(two));
 }
 
 TEST_F(Manifest, TheDepfileNamesWhatEveryAssetIsMadeOf) {
