@@ -9,15 +9,15 @@ trap 'rm -rf "$scratch"' EXIT
 mkdir -p "$content" "$out"
 
 "$bin/furrow_content" "$content"
-for model in face sleeve; do
+for model in face jacket; do
   "$bin/furrow" cook "$content/$model.glb" --recipe "$content/$model.json" -o "$content/$model.furrow" --quiet
 done
 "$bin/furrow_figures" "$scratch"
 mv "$scratch/seam.png" "$out/seam.png"
 gnuplot -e "data='$scratch'; out='$out'" "$tools/plots.gp"
 
-face=(--morph browInnerUp=1 --morph browOuterUpLeft=0.8 --morph browOuterUpRight=0.8 --yaw 18 --zoom 2.6 --target 0.01 0.045 0.02)
-sleeve=(--clip bend --time 0.62 --yaw -25 --pitch 12 --zoom 2.2)
+face=(--morph browInnerUp=1 --morph browOuterUpLeft=0.8 --morph browOuterUpRight=0.8 --yaw 18 --zoom 3.4 --target 0.01 0.025 0.03)
+jacket=(--clip lean --time 1 --yaw 24 --zoom 2 --target 0 -0.15 0)
 cells=()
 
 # picture MODEL CAPTION OPTION...: adds a picture to the sheet.
@@ -25,7 +25,7 @@ picture() {
   local model=$1 caption=$2 file=$scratch/${#cells[@]}.png
   local -n pose=$model
   shift 2
-  "$bin/furrow" render "$content/$model.furrow" --size 400x400 -o "$file" "${pose[@]}" "$@"
+  "$bin/furrow" render "$content/$model.furrow" --size 330x330 -o "$file" "${pose[@]}" "$@"
   cells+=("$file=$caption")
 }
 
@@ -35,7 +35,7 @@ sheet() {
   cells=()
 }
 
-for model in face sleeve; do
+for model in face jacket; do
   picture "$model" "no wrinkles" --shading none
   picture "$model" "alpha shading" --shading alpha
   picture "$model" "bump-map blending" --shading blend
@@ -43,7 +43,7 @@ for model in face sleeve; do
 done
 sheet methods 4 "Larsson's three methods"
 
-for model in face sleeve; do
+for model in face jacket; do
   picture "$model" "gpu: OpenGL 4.3, compute" --backend gpu
   picture "$model" "gpu-raster: OpenGL 3.3" --backend gpu-raster
   picture "$model" "cpu, drawn by OpenGL" --backend cpu --shading interpolated
