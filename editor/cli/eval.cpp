@@ -55,15 +55,15 @@ Result runCpu(const AssetView& asset, const FrameInput& input) {
   return result;
 }
 
-Result runGpu(const AssetView& asset, const FrameInput& input, Form form) {
-  const FramePlan plan(asset, {.form = form, .normals = false, .point_q = true});
+Result runGpu(const AssetView& asset, const FrameInput& input, gl::Tier tier) {
+  const FramePlan plan(asset, {.form = gl::formOf(tier), .normals = false, .point_q = true});
   gl::Executor executor;
   Status status = executor.create(plan);
   if (status.ok()) status = executor.upload(input);
   if (status.ok()) status = executor.run();
   if (!status.ok())
-    throw Error(Exit::kEnvironment, form == Form::kRaster ? "--backend gpu-raster" : "--backend gpu",
-                status.message, "use --backend cpu");
+    throw Error(Exit::kEnvironment, std::string("--backend ") + gl::tierName(tier), status.message,
+                "use --backend cpu");
   Result result;
   result.positions.resize(asset.vertexCount());
   result.q.resize(size_t{asset.pointCount()} * asset.layerCount());
@@ -108,9 +108,7 @@ void run(const Options& options) {
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
   const AssetView& asset = opened.asset.view();
   const Result result =
-      choice.tier == gl::Tier::kCpu
-          ? runCpu(asset, frame.input)
-          : runGpu(asset, frame.input, choice.tier == gl::Tier::kGpu ? Form::kClustered : Form::kRaster);
+      choice.tier == gl::Tier::kCpu ? runCpu(asset, frame.input) : runGpu(asset, frame.input, choice.tier);
   const std::string text = csv(asset, result, frame.origin);
   if (!options.out.empty())
     pipeline::writeFile(options.out, std::as_bytes(std::span(text)));

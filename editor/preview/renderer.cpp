@@ -129,12 +129,12 @@ class UploadedFrame {
 
 class GpuFrame {
  public:
-  GpuFrame(const AssetView& asset, Form form) : plan_(asset, {.form = form}) {
+  GpuFrame(const AssetView& asset, Tier tier) : plan_(asset, {.form = gl::formOf(tier)}) {
     if (const Status status = executor_.create(plan_); !status.ok())
       throw Error(status.code == StatusCode::kOutOfMemory || status.code == StatusCode::kUnavailable
                       ? Exit::kEnvironment
                       : Exit::kBadData,
-                  form == Form::kRaster ? "gpu-raster tier" : "gpu tier", status.message, "use the cpu tier");
+                  std::string(gl::tierName(tier)) + " tier", status.message, "use the cpu tier");
   }
 
   PosedBuffers run(const FrameInput& input, StageTimes* times) {
@@ -299,8 +299,7 @@ PosedBuffers Renderer::State::pose(const FrameInput& input, const RenderOptions&
     return cpu->run(input, options.times);
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
-  if (!frame)
-    frame = std::make_unique<GpuFrame>(asset, tier == Tier::kGpu ? Form::kClustered : Form::kRaster);
+  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier);
   return frame->run(input, options.times);
 }
 

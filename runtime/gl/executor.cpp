@@ -42,7 +42,8 @@ struct Executor::State {
   bool debug = false;
   bool some = false;  // kInstances is not all of them
   ResetStatus asked = nullptr;
-  bool lost = false;  // the names are another context's by now, or nobody's
+  std::vector<std::byte> constants;  // an instance's kFrame or kMorphWeights
+  bool lost = false;                 // the names are another context's by now, or nobody's
 
   State() = default;
   State(const State&) = delete;
@@ -59,6 +60,7 @@ struct Executor::State {
   }
 
   bool raster() const { return plan->options().form == Form::kRaster; }
+  std::span<std::byte> scratch(uint64_t bytes) { return std::span(constants).first(bytes); }
   GLuint buffer(Buffer id) const { return id == Buffer::kCount ? 0 : buffers[static_cast<size_t>(id)]; }
   Status checkContext();
   Status checkLimits(const Item& item) const;
@@ -252,6 +254,8 @@ Status Executor::create(const FramePlan& plan, ResetStatus lost) {
 
   auto state = std::make_unique<State>();
   state->plan = &plan;
+  state->constants.resize(
+      std::max(plan.instanceBytes(Buffer::kFrame), plan.instanceBytes(Buffer::kMorphWeights)));
   state->debug = hasDebug();
   state->asked = lost ? lost
                  : epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness")
@@ -280,11 +284,11 @@ Status Executor::create(const FramePlan& plan, ResetStatus lost) {
 Status Executor::upload(const FrameInput& input, uint32_t instance) {
   if (Status status = state_->checkContext(); !status.ok()) return status;
   const FramePlan& plan = *state_->plan;
-  std::vector<std::byte> bytes(plan.instanceBytes(Buffer::kFrame));
+  std::span<std::byte> bytes = state_->scratch(plan.instanceBytes(Buffer::kFrame));
   plan.writeFrame(input, bytes);
   upload(Buffer::kFrame, bytes, instance * bytes.size());
   if (plan.options().posed_by_host) return {};
-  bytes.resize(plan.instanceBytes(Buffer::kMorphWeights));
+  bytes = state_->scratch(plan.instanceBytes(Buffer::kMorphWeights));
   plan.writeMorphWeights(input, bytes);
   upload(Buffer::kMorphWeights, bytes, instance * bytes.size());
   const bool linear = plan.options().skinning == Skinning::kLinear;

@@ -34,6 +34,16 @@ Support querySupport() {
   return support;
 }
 
+Form formOf(Tier tier) {
+  if (tier == Tier::kGpuRaster) return Form::kRaster;
+  constexpr GLint kBuffers = 16,
+                  kSharedBytes = 32 << 10;  // as shaders/cluster.comp has it; all of GL 4.3 has the bytes
+  GLint buffers = 0, shared = 0;
+  glGetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &buffers);
+  glGetIntegerv(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, &shared);
+  return buffers >= kBuffers && shared >= kSharedBytes ? Form::kClustered : Form::kStaged;
+}
+
 Status wantedTier(std::string_view backend, std::string_view& wanted) {
   const char* said_by = "backend";
   if (backend.empty() || backend == kAuto) {

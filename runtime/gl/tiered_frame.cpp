@@ -88,7 +88,7 @@ struct TieredFrame::State {
       cpu = std::make_unique<CpuTier>();
       return cpu->create(*asset, options);
     }
-    options.form = tier == Tier::kGpuRaster ? Form::kRaster : Form::kClustered;
+    options.form = formOf(tier);
     plan = std::make_unique<FramePlan>(*asset, options);
     executor = std::make_unique<Executor>();
     return executor->create(*plan, lost);

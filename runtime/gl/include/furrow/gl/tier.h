@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "furrow/status.h"
+#include "furrow/frame_plan.h"
 
 namespace furrow::gl {
 
@@ -37,5 +37,9 @@ struct TierChoice {
 // kUnavailable with the reason where a forced tier is missing: nothing takes its place. Asks the current
 // context, unless `no_context` says why there is none. Keeps no state.
 Status chooseTier(std::string_view wanted, std::string_view no_context, TierChoice& choice);
+
+// The form of a frame plan for a GPU tier in the current context: kClustered for gpu where there are buffers
+// and shared memory for it, else kStaged.
+Form formOf(Tier tier);
 
 }  // namespace furrow::gl
