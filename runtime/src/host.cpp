@@ -24,10 +24,8 @@ constexpr std::align_val_t alignmentOf(size_t bytes) {
 }
 
 Status chooseSimd(uint32_t wanted, Simd& out) {
-  if (wanted == FURROW_SIMD_BEST) {
-    out = bestSimd();
-    return {};
-  }
+  out = bestSimd();  // asked for now, it is known when the first frame asks
+  if (wanted == FURROW_SIMD_BEST) return {};
   if (wanted > FURROW_SIMD_NEON) return invalid("the context's simd is unknown");
   out = static_cast<Simd>(wanted - FURROW_SIMD_PORTABLE);
   if (!simdAvailable(out))

@@ -2,6 +2,7 @@
 
 // What furrow.h's objects share: the host's hooks, counted references and the ways across the C boundary.
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <memory_resource>

@@ -155,6 +155,7 @@ bool runPose(FurrowInstance& instance, const FurrowFrame& frame, const Plan& pla
     job.positions = instance.positions;
     job.normals = instance.normals;
     job.tangents = instance.tangents;
+    job.simd = context.simd;
     if (frame.skinning == FURROW_SKINNING_DUAL_QUATERNION) {
       splitPalette(pose.palette, instance.motions);
       job.skinning = Skinning::kDualQuaternion;

@@ -85,6 +85,14 @@ int pthread_rwlock_wrlock(pthread_rwlock_t*) {
 int pthread_rwlock_unlock(pthread_rwlock_t*) {
   return 0;
 }
+// What the first use of a function's static locks.
+int __cxa_guard_acquire(char* done) {
+  locks += counting;
+  return *done == 0;
+}
+void __cxa_guard_release(char* done) {
+  *done = 1;
+}
 int pthread_spin_lock(pthread_spinlock_t*) {
   locks += counting;
   return 0;

@@ -232,6 +232,11 @@ TEST(Pose, AnyStrideOffsetAndOrder) {
       EXPECT_TRUE(std::isnan(out[1].x));
       expectNear(out[2], {0, 10, 0.5f}, 0);
       expectNear(out[3], {2, 12, 0.5f}, 0);
+      out[1] = {7, 7, 7};
+      job.patch = true;  // another mesh has posed it
+      job.run(0, 4);
+      expectNear(out[1], {7, 7, 7}, 0);
+      expectNear(out[3], {2, 12, 0.5f}, 0);
       const std::vector<uint32_t> beyond = {3, 0, 0, 0};
       job.element = beyond;
       EXPECT_FALSE(job.validate().ok());

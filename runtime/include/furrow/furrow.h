@@ -427,15 +427,13 @@ FURROW_API int32_t furrow_instance_forget_rest(FurrowInstance* instance, FurrowS
 FURROW_API int32_t furrow_instance_reload(FurrowInstance** instance, FurrowAsset* asset, void* memory,
                                           size_t memory_bytes, FurrowStatus* status);
 
-// Of the last computed frame; valid until the next one. snorm16 (w * 32767), FurrowAssetInfo.weight_stride a
-// vertex.
+// Of the last computed frame; valid until the next one. Weights are snorm16 (w * 32767),
+// FurrowAssetInfo.weight_stride a vertex; positions and normals 3 floats, tangents 4. NULL: not kept. Normals
+// and tangents are posed by palettes alone.
 FURROW_API const int16_t* furrow_instance_weights(const FurrowInstance* instance);
-FURROW_API const float* furrow_instance_positions(
-    const FurrowInstance* instance);  // 3 a vertex; NULL: not kept
-FURROW_API const float* furrow_instance_normals(
-    const FurrowInstance* instance);  // 3 a vertex; NULL: not kept
-FURROW_API const float* furrow_instance_tangents(
-    const FurrowInstance* instance);  // 4 a vertex; NULL: not kept
+FURROW_API const float* furrow_instance_positions(const FurrowInstance* instance);
+FURROW_API const float* furrow_instance_normals(const FurrowInstance* instance);
+FURROW_API const float* furrow_instance_tangents(const FurrowInstance* instance);
 
 enum { FURROW_WEIGHTS_SNORM16 = 0, FURROW_WEIGHTS_FLOAT = 1, FURROW_WEIGHTS_SNORM8 = 2 };
 

@@ -61,12 +61,11 @@ struct SmoothJob {
 
 // More smoothing, between Smooth and Respond: one Laplacian step over the points of one layer,
 //
-//   out = q + rate * (m - q),   m = the mean, over the triangles of the point's ring that are in the layer,
-//   of
-//                                   q at their other two corners, weighted by rest angle
+//   out = q + rate * (m - q)
 //
-// Every step widens what a crease reacts to by about one edge. Constant q stays as it is. Steps are made by
-// swapping q and out. Items: points.
+// m is the mean, over the triangles of the point's ring that are in the layer, of q at their other two
+// corners, weighted by rest angle. Every step widens what a crease reacts to by about one edge. Constant q
+// stays as it is. Steps are made by swapping q and out. Items: points.
 struct LaplaceJob {
   const AssetView* asset = nullptr;
   std::span<const float> triangle_q;  // a triangle, of CompressJob: below 0 the triangle is not in the layer
