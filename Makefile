@@ -1,13 +1,14 @@
 # make deps    install the Debian packages that the build needs
 # make build   release build; programs in build/bin
 # make test    build, then run every test; the last line is "N passed, N failed, N skipped"
+# make fuzz    10 seconds of libFuzzer a target, where clang is installed with it
 # make demo    make the demo characters, cook them and render pictures into out
 # make figures make the figures of docs/figures.md anew
 # make clean   remove every build folder
 
 JOBS ?= $(shell nproc)
 
-.PHONY: deps build test demo figures clean
+.PHONY: deps build test fuzz demo figures clean
 
 deps:
 	tools/deps.sh
@@ -18,6 +19,9 @@ build:
 
 test: deps build
 	tools/test.sh build $(JOBS)
+
+fuzz: deps
+	tools/fuzz.sh $(JOBS)
 
 demo: deps build
 	tools/demo.sh build/bin build/content out

@@ -226,6 +226,7 @@ class Cook {
     std::vector<glm::vec3> out;
     for (const glm::dvec3& p : restPositions(scene_, recipe_.rest))
       out.push_back(glm::vec3(rest_offsets_.empty() ? p : p + rest_offsets_[out.size()]));
+    requireInRange(scene_, out);
     return out;
   }
 

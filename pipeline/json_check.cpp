@@ -334,7 +334,12 @@ std::filesystem::path pathIn(const std::filesystem::path& file, const std::strin
 }
 
 JsonFile readJson(const std::filesystem::path& file, const JsonShape& shape, const char* kind) {
-  const std::string text = readText(file, kind), word = kind;
+  return parseJson(readText(file, kind), file, shape, kind);
+}
+
+JsonFile parseJson(const std::string& text, const std::filesystem::path& file, const JsonShape& shape,
+                   const char* kind) {
+  const std::string word = kind;
   SyntaxCheck syntax(text, file, word);
   json::sax_parse(text, &syntax, nlohmann::detail::input_format_t::json, true, true);
   JsonFile read{json::parse(text, nullptr, true, true), {}};

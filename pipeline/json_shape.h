@@ -62,6 +62,10 @@ struct JsonFile {
 // layers[0].response.beta).
 JsonFile readJson(const std::filesystem::path& file, const JsonShape& shape, const char* kind);
 
+// The same of a text that is in memory, as if it stood in `file`.
+JsonFile parseJson(const std::string& text, const std::filesystem::path& file, const JsonShape& shape,
+                   const char* kind);
+
 // `text`, written in `file`, as a path.
 std::filesystem::path pathIn(const std::filesystem::path& file, const std::string& text);
 

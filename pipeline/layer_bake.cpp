@@ -184,9 +184,10 @@ class LayerBake {
     requireUvs("its direction is read from an image");
     files.push_back(file);
     const auto given = in_.images.find(file);
-    const Image image = kind == ImageKind::kSlopes  ? readNormals(file, green)
-                        : given == in_.images.end() ? readImage(file)
-                                                    : toFloats(*given->second);
+    const Image image = kind == ImageKind::kSlopes   ? readNormals(file, green)
+                        : kind == ImageKind::kHeight ? readHeights(file)
+                        : given == in_.images.end()  ? readImage(file)
+                                                     : toFloats(*given->second);
     if (image.channels < leastChannels(kind))
       throw Error(Exit::kBadData, file.string(), "it has " + std::to_string(image.channels) + " channels",
                   "use an image with " + std::to_string(leastChannels(kind)) +

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "pipeline/error.h"
 #include "pipeline/legible.h"
@@ -84,8 +85,8 @@ class MapBake {
     compress_.resize(layers_.size());
     stretch_.resize(layers_.size());
     parallelFor(static_cast<uint32_t>(layers_.size()), threads_, [&](uint32_t l) {
-      compress_[l] = prepare(recipe_.layers[l].compress, layers_[l]);
-      stretch_[l] = prepare(recipe_.layers[l].stretch, layers_[l]);
+      compress_[l] = prepare(recipe_.layers[l].compress, layers_[l], recipe_.layers[l].name);
+      stretch_[l] = prepare(recipe_.layers[l].stretch, layers_[l], recipe_.layers[l].name);
     });
     std::vector<BakedTextureSet> sets;
     for (auto& [material, set] : by_material) join(sets, std::move(set));
@@ -120,7 +121,7 @@ class MapBake {
     std::shared_ptr<Synthesis> synthesis;
   };
 
-  Source prepare(const Map& map, const BakedLayer& layer) const {
+  Source prepare(const Map& map, const BakedLayer& layer, const std::string& name) const {
     Source source;
     const auto* wanted = std::get_if<MapSynthesized>(&map);
     if (!wanted || !wanted->preset) return source;
@@ -131,7 +132,12 @@ class MapBake {
     source.settings->seed = wanted->seed;
     source.field = std::make_shared<LayerField>(layer.field);
     deepen(source.field->strength);
-    source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, *source.settings);
+    try {
+      source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, *source.settings);
+    } catch (const std::length_error& error) {
+      throw Error(Exit::kBadData, in_.recipe_file, "layer \"" + name + "\": " + error.what(),
+                  "give a larger spacing or a smaller mask");
+    }
     return source;
   }
 
@@ -290,7 +296,8 @@ class MapBake {
       dependencies_.push_back(normal->texture);
       pose.image = readNormals(normal->texture, normal->green);
     } else if (const auto* height = std::get_if<MapHeight>(pose.map)) {
-      pose.image = read(height->texture);
+      dependencies_.push_back(height->texture);
+      pose.image = readHeights(height->texture);
     } else if (pose.source->synthesis) {
       pose.wanted = window.extent * (kTexelsASpacing * length_of_uv / pose.source->settings->spacing);
     }

@@ -197,6 +197,12 @@ class Reader {
   const std::filesystem::path& file_;
 };
 
+Recipe recipeOf(JsonFile read, const std::filesystem::path& file) {
+  Recipe recipe = Reader(file).recipe(read.value);
+  recipe.files = std::move(read.files);
+  return recipe;
+}
+
 }  // namespace
 
 Recipe defaultRecipe() {
@@ -206,10 +212,11 @@ Recipe defaultRecipe() {
 }
 
 Recipe readRecipe(const std::filesystem::path& file) {
-  JsonFile read = readJson(file, recipeShape(), "recipe");
-  Recipe recipe = Reader(file).recipe(read.value);
-  recipe.files = std::move(read.files);
-  return recipe;
+  return recipeOf(readJson(file, recipeShape(), "recipe"), file);
+}
+
+Recipe parseRecipe(const std::string& text, const std::filesystem::path& file) {
+  return recipeOf(parseJson(text, file, recipeShape(), "recipe"), file);
 }
 
 }  // namespace furrow::pipeline

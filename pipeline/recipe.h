@@ -136,6 +136,9 @@ Recipe defaultRecipe();
 // kMaxLayers layers, two layers of one name, a named image that does not exist.
 Recipe readRecipe(const std::filesystem::path& file);
 
+// The same of a text that is in memory, as if it stood in `file`.
+Recipe parseRecipe(const std::string& text, const std::filesystem::path& file);
+
 // Whether a recipe can hold this text: it is UTF-8 and not empty.
 bool isRecipeText(const std::string& text);
 

@@ -130,6 +130,7 @@ std::vector<glm::vec3> sourcePositions(const SourceScene& scene) {
       out.emplace_back(placed.x, placed.y, placed.z);
     }
   }
+  requireInRange(scene, out);
   return out;
 }
 

@@ -24,7 +24,8 @@ struct Weld {
 };
 
 // Positions of all vertices in source order: in root space and the bind pose, placed by Part::rest as the
-// asset stores it, so that who has the same positions and that matrix gets the same bits.
+// asset stores it, so that who has the same positions and that matrix gets the same bits. Throws as
+// requireInRange().
 std::vector<glm::vec3> sourcePositions(const SourceScene& scene);
 
 // Welds by those positions. Without a tolerance it is roundingTolerance() (places.h); 0 means equal bits (-0

@@ -62,11 +62,23 @@ class GltfImporter {
       const tinygltf::Node& in = model_.nodes[n];
       Node& node = nodes[n];
       node.name = in.name;
-      node.has_matrix = in.matrix.size() == 16;
+      const auto expect = [&](const std::vector<double>& numbers, size_t count, const char* what) {
+        if (!numbers.empty() && numbers.size() != count)
+          fail(named("node", n, in.name) + " has a " + what + " of " + std::to_string(numbers.size()) +
+               " numbers");
+        for (const double number : numbers)
+          if (!(std::abs(number) <= double{std::numeric_limits<float>::max()}))
+            fail(named("node", n, in.name) + " has a " + what + " that is no float");
+      };
+      expect(in.matrix, 16, "matrix");
+      expect(in.translation, 3, "translation");
+      expect(in.rotation, 4, "rotation");
+      expect(in.scale, 3, "scale");
+      node.has_matrix = !in.matrix.empty();
       if (node.has_matrix) node.matrix = glm::make_mat4(in.matrix.data());
-      if (in.translation.size() == 3) node.translation = glm::make_vec3(in.translation.data());
-      if (in.scale.size() == 3) node.scale = glm::make_vec3(in.scale.data());
-      if (in.rotation.size() == 4) {
+      if (!in.translation.empty()) node.translation = glm::make_vec3(in.translation.data());
+      if (!in.scale.empty()) node.scale = glm::make_vec3(in.scale.data());
+      if (!in.rotation.empty()) {
         const glm::dquat q(in.rotation[3], in.rotation[0], in.rotation[1], in.rotation[2]);
         const double length = glm::length(q);
         if (length > 0.0 && std::isfinite(length))

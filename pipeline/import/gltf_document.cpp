@@ -158,6 +158,42 @@ void dropUnused(json& root) {
     root.erase(key);
 }
 
+// tinygltf takes an index or a count that is no whole number for one that is left out. `key`: of what holds
+// the value.
+void checkWholeNumbers(const json& value, std::string_view key) {
+  static constexpr std::string_view kWhole[] = {"buffer",
+                                                "bufferView",
+                                                "byteLength",
+                                                "byteOffset",
+                                                "byteStride",
+                                                "children",
+                                                "componentType",
+                                                "count",
+                                                "indices",
+                                                "input",
+                                                "inverseBindMatrices",
+                                                "joints",
+                                                "material",
+                                                "mesh",
+                                                "mode",
+                                                "node",
+                                                "nodes",
+                                                "output",
+                                                "sampler",
+                                                "scene",
+                                                "skin"};
+  if (value.is_object()) {
+    for (const auto& [name, member] : value.items())
+      if (name != "extras" && name != "extensions") checkWholeNumbers(member, name);
+  } else if (value.is_array()) {
+    for (const json& element : value) checkWholeNumbers(element, key);
+  } else if (!value.is_number_integer() && std::ranges::find(kWhole, key) != std::end(kWhole)) {
+    fail("\"" + std::string(key) + "\" is " +
+         value.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 40) +
+         " and no whole number of at most 32 bits");
+  }
+}
+
 int hexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -183,7 +219,9 @@ bool isData(const std::string& uri) {
 }
 
 std::filesystem::path bufferFile(const std::filesystem::path& file, const std::string& uri) {
-  return file.parent_path() / std::filesystem::u8path(decodePercent(uri));
+  const std::string name = decodePercent(uri);
+  if (name.empty() || name.find('\0') != std::string::npos) fail("a buffer has a URI that names no file");
+  return file.parent_path() / std::filesystem::u8path(name);
 }
 
 std::vector<uint8_t> decodeDataUri(const std::string& uri) {
@@ -362,6 +400,7 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
   }
 
   dropUnused(root);
+  checkWholeNumbers(root, "");
   const std::string text = root.dump();
   root = nullptr;
   if (text.size() > std::numeric_limits<uint32_t>::max()) fail("its JSON is too long");

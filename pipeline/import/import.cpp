@@ -95,6 +95,14 @@ auto guarded(const std::filesystem::path& file, const Read& read) {
   }
 }
 
+SourceScene sceneOf(const std::filesystem::path& file, std::vector<uint8_t> bytes) {
+  const std::optional<MeshFormat> format = tellFormat(file, bytes);
+  SourceScene scene =
+      format ? importMeshFile(file, *format, std::move(bytes)) : importGltf(file, std::move(bytes));
+  scene.file = file;
+  return scene;
+}
+
 }  // namespace
 
 std::vector<uint8_t> readBytes(const std::filesystem::path& file) {
@@ -117,14 +125,11 @@ std::vector<uint8_t> readBytes(const std::filesystem::path& file) {
 }
 
 SourceScene import(const std::filesystem::path& file) {
-  return guarded(file, [&] {
-    std::vector<uint8_t> bytes = readModel(file);
-    const std::optional<MeshFormat> format = tellFormat(file, bytes);
-    SourceScene scene =
-        format ? importMeshFile(file, *format, std::move(bytes)) : importGltf(file, std::move(bytes));
-    scene.file = file;
-    return scene;
-  });
+  return guarded(file, [&] { return sceneOf(file, readModel(file)); });
+}
+
+SourceScene importBytes(const std::filesystem::path& file, std::vector<uint8_t> bytes) {
+  return guarded(file, [&] { return sceneOf(file, std::move(bytes)); });
 }
 
 std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& file) {

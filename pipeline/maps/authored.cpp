@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 
 #include "pipeline/error.h"
@@ -12,9 +13,12 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr float kSteepest = 16.0f;      // slope that is kept of an authored normal
+constexpr float kFlat = 0.02f;          // slope below which a texel counts as upright: three steps of 8 bits
 constexpr float kLeastRise = 0.5f;      // sine of the lowest light
 constexpr double kDeepest = 0.99;       // part of the texels below which W is not yet at its darkest
 constexpr uint32_t kSurroundings = 32;  // texels over which a texel is compared with its surroundings
+
+constexpr const char* kNoMap = "name another image, or \"none\" for no map";
 
 size_t wrapped(int64_t i, uint32_t size) {
   const int64_t n = size;
@@ -75,6 +79,7 @@ Image readNormals(const std::filesystem::path& file, Green green) {
   Image slopes{image.width, image.height, 2, {}};
   slopes.pixels.reserve(size_t{image.width} * image.height * 2);
   size_t wrong = 0;
+  float steepest = 0.0f;
   for (size_t i = 0; i < image.pixels.size(); i += image.channels) {
     const float x = image.pixels[i] * 2.0f - 1.0f, y = image.pixels[i + 1] * 2.0f - 1.0f;
     const float z = image.channels > 2 ? image.pixels[i + 2] * 2.0f - 1.0f
@@ -83,6 +88,7 @@ Image readNormals(const std::filesystem::path& file, Green green) {
     wrong += !(length > 0.6f && length < 1.4f && z > 0.0f);
     const float slope = std::sqrt(x * x + y * y), steepness = std::min(slope / std::max(z, 1e-6f), kSteepest);
     const float scale = slope > 0.0f ? steepness / slope : 0.0f;
+    steepest = std::max(steepest, steepness);
     slopes.pixels.push_back(x * scale);
     slopes.pixels.push_back(green == Green::kDirectX ? -y * scale : y * scale);
   }
@@ -94,7 +100,27 @@ Image readNormals(const std::filesystem::path& file, Green green) {
         "name it as \"height\" if it holds heights, else export a tangent-space map without colour "
         "management");
   }
+  if (steepest < kFlat)
+    throw Error(Exit::kBadData, file.string(), "its normals are all upright: no wrinkle is in it", kNoMap);
   return slopes;
+}
+
+Image readHeights(const std::filesystem::path& file) {
+  Image image = readImage(file);
+  float lowest = image.pixels.front(), highest = lowest;
+  for (size_t i = 0; i < image.pixels.size(); i += image.channels) {
+    lowest = std::min(lowest, image.pixels[i]);
+    highest = std::max(highest, image.pixels[i]);
+  }
+  if (lowest == highest)
+    throw Error(Exit::kBadData, file.string(), "it has one height everywhere: no wrinkle is in it", kNoMap);
+  if (lowest < 0.0f || highest > 1.0f) {
+    char range[80];
+    std::snprintf(range, sizeof range, "its heights go from %.4g to %.4g", double{lowest}, double{highest});
+    throw Error(Exit::kBadData, file.string(), range,
+                "scale them to 0 (black) to 1 (white), and give what lies between as \"depth\"");
+  }
+  return image;
 }
 
 WrinkleMaps mapsFromSlopes(const Image& slopes, const TexelGrid& grid) {
@@ -114,7 +140,7 @@ WrinkleMaps mapsFromHeights(const Image& heights, const Surface& surface, const 
   Image plane{heights.width, heights.height, 1, {}}, rises{heights.width, heights.height, 2, {}};
   for (uint32_t y = 0; y < heights.height; ++y) {
     for (uint32_t x = 0; x < heights.width; ++x) {
-      plane.pixels.push_back(std::clamp(heights.at(x, y)[0], 0.0f, 1.0f));
+      plane.pixels.push_back(heights.at(x, y)[0]);
     }
   }
   for (uint32_t y = 0; y < heights.height; ++y) {  // for a unit of u and of v

@@ -19,8 +19,13 @@ struct WrinkleMaps {
 };
 
 // Checked and as slopes x/z, y/z (2 channels). Throws Error (kBadData) as readImage(), and if it is no
-// tangent-space normal map: less than 2 channels, or texels that are no unit vectors or point inwards.
+// tangent-space normal map: less than 2 channels, texels that are no unit vectors or point inwards, or none
+// that is tilted.
 Image readNormals(const std::filesystem::path& file, Green green);
+
+// The first channel counts. Throws Error (kBadData) as readImage(), and if heights lie outside [0, 1] or all
+// are the same.
+Image readHeights(const std::filesystem::path& file);
 
 // Normals and shading from readNormals(); W comes from how hollow the map is.
 WrinkleMaps mapsFromSlopes(const Image& slopes, const TexelGrid& grid);

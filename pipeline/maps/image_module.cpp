@@ -1,8 +1,12 @@
 #include "pipeline/maps/image_module.h"
 
 #include <OpenImageIO/imageio.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -16,10 +20,38 @@ const char* fault(const std::string& text) {
   return line.empty() ? "unknown reason" : line.c_str();
 }
 
+// libpng writes its errors to stderr, beside those that OpenImageIO hands on. While one of these lives,
+// nothing gets there.
+class Silence {
+ public:
+  Silence() {
+    const std::lock_guard lock(mutex_);
+    if (users_++ > 0) return;
+    std::fflush(stderr);
+    stderr_ = ::dup(STDERR_FILENO);
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (stderr_ >= 0 && nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) ::close(nowhere);
+  }
+  ~Silence() {
+    const std::lock_guard lock(mutex_);
+    if (--users_ > 0 || stderr_ < 0) return;
+    ::dup2(stderr_, STDERR_FILENO);
+    ::close(stderr_);
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline int users_ = 0, stderr_ = -1;
+};
+
 ImageModule::Reading read(const char* file, bool bytes, ImageModule::Place place, void* context) {
   // Without it a fourth channel is taken for alpha and the other three are multiplied by it.
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
+  const Silence silence;
   const auto input = OIIO::ImageInput::open(file, &config);
   if (!input) return {false, fault(OIIO::geterror())};
   const OIIO::ImageSpec& spec = input->spec();

@@ -4,15 +4,16 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <queue>
+#include <stdexcept>
 #include <tuple>
 
-#include "pipeline/error.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -168,9 +169,9 @@ class Builder {
       pieces += c.area2 / (spacing * spacing) + longestEdge(c.p) / spacing;
     }
     if (!(pieces < kMaxPieces)) {
-      throw Error(Exit::kBadData, "synthesis",
-                  "a wrinkle spacing of " + std::to_string(spacing) + " is too small for the surface",
-                  "give a larger spacing or a smaller mask");
+      char what[80];
+      std::snprintf(what, sizeof what, "a wrinkle spacing of %.4g is too small for the surface", spacing);
+      throw std::length_error(what);
     }
   }
 

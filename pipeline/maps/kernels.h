@@ -39,8 +39,8 @@ struct Irregularity {
 class Kernels {
  public:
   // Kernels about 0.6 spacings apart wherever the layer has strength. They are set by the surface and the
-  // seed, not by its triangles. Throws Error if the spacing is so small that the surface would need millions
-  // of them.
+  // seed, not by its triangles. Throws std::length_error if the spacing is so small that the surface would
+  // need millions of them.
   Kernels(const Surface& surface, const LayerField& field, double spacing, uint32_t seed,
           const Irregularity& irregularity);
 

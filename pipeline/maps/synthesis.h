@@ -42,7 +42,7 @@ struct SynthesizedMaps {
 // it. The method: kernels.h.
 class Synthesis {
  public:
-  // Throws Error (kBadData) where the spacing is too small for the surface, std::invalid_argument where a
+  // Throws std::length_error where the spacing is too small for the surface, std::invalid_argument where a
   // size or setting is wrong.
   Synthesis(const Surface& surface, const LayerField& field, const SynthesisSettings& settings);
   ~Synthesis();

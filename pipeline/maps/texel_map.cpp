@@ -107,8 +107,8 @@ class Mapper {
   template <class Do>
   void visit(const Corners& c, double margin, Do&& visit_texel) const {
     const auto range = [&](double a, double b, double d, double moved, uint32_t count) {
-      const double low = std::max(std::min({a, b, d}) - margin - moved, 0.0);
-      const double high = std::min(std::max({a, b, d}) + margin - moved, count - 1.0);
+      const double low = std::clamp(std::min({a, b, d}) - margin - moved, 0.0, static_cast<double>(count));
+      const double high = std::clamp(std::max({a, b, d}) + margin - moved, -1.0, count - 1.0);
       return std::array<int64_t, 2>{static_cast<int64_t>(std::ceil(low)),
                                     static_cast<int64_t>(std::floor(high))};
     };

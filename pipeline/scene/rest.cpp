@@ -173,6 +173,14 @@ std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene&
   return offsets;
 }
 
+void requireInRange(const SourceScene& scene, std::span<const glm::vec3> positions) {
+  constexpr float kFarthest = 1e18f;
+  for (const glm::vec3& p : positions)
+    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarthest))
+      throw Error(Exit::kBadData, scene.file.string(), "a vertex lies more than 1e18 units out, or nowhere",
+                  "look at its positions, the transforms of its nodes and its inverse bind matrices");
+}
+
 const Clip* findClip(const Rig& rig, const std::string& name) {
   for (const Clip& clip : rig.clips)
     if (clip.name == name) return &clip;

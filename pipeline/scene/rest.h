@@ -3,6 +3,8 @@
 // The rest pose: where every vertex lies, in the scene root's space, when the surface is relaxed.
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "pipeline/recipe.h"
@@ -24,6 +26,10 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Rest& rest
 // lists of vertices correspond. Throws Error (kBadData) naming `file` where they do not: other vertices,
 // other edges, another unit of length.
 std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file);
+
+// Throws Error (kBadData) naming the scene's file where a position is so far out that the squares of lengths
+// there are no floats (the transforms of its nodes and skins may lead there, whatever the mesh holds).
+void requireInRange(const SourceScene& scene, std::span<const glm::vec3> positions);
 
 // By name, or by number if no clip has that name; null if there is none.
 const Clip* findClip(const Rig& rig, const std::string& name_or_number);

@@ -87,8 +87,10 @@ bool readAffine(const flatbuffers::Vector<float>* numbers, Affine& out) {
 
 template <typename T, typename Elements>
 Status decode(const format::Stream* stream, size_t elements_each, size_t count, Elements& out) {
+  const auto stride = static_cast<uint32_t>(elements_each * sizeof(T));
+  if (Status status = checkStream(stream, stride, count); !status.ok()) return status;
   out.resize(count * elements_each);
-  return decodeStream(stream, static_cast<uint32_t>(elements_each * sizeof(T)), count, out.data());
+  return decodeStream(stream, stride, count, out.data());
 }
 
 }  // namespace

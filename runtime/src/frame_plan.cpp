@@ -70,7 +70,7 @@ std::vector<uint32_t> coefficientWords(const AssetView& asset) {
 
 std::vector<uint32_t> ringWeightWords(const AssetView& asset) {
   std::vector<uint32_t> words((asset.ring_weights.size() + 1) / 2);
-  std::memcpy(words.data(), asset.ring_weights.data(), asset.ring_weights.size_bytes());
+  std::ranges::copy(asset.ring_weights, reinterpret_cast<uint16_t*>(words.data()));
   return words;
 }
 

@@ -16,6 +16,8 @@ namespace furrow {
 namespace {
 
 constexpr uint32_t kMaxVertices = 1u << 30;
+constexpr size_t kMostUnpacked =
+    64;  // bytes of one: the vertex codec's headers tell of 4 groups of 16 in a byte
 constexpr uint32_t kSemantics = static_cast<uint32_t>(format::Semantic::MAX) + 1;
 
 // Integers of every attribute of a part, before they become floats.
@@ -72,15 +74,14 @@ Status readRaw(const format::Part& part, Integers& integers, std::vector<uint32_
   for (uint32_t s = 0; s < kSemantics; ++s) {
     if (!integers.attribute[s]) continue;
     const size_t count = size_t{part.vertices()} * integers.attribute[s]->components();
-    if (streamCount(integers.attribute[s]->stream()) != count)
-      return bad("an attribute has the wrong length");
+    if (Status status = checkStream(integers.attribute[s]->stream(), 4, count); !status.ok()) return status;
     integers.values[s].resize(count);
     if (Status status = decodeStream(integers.attribute[s]->stream(), 4, count, integers.values[s].data());
         !status.ok())
       return status;
   }
   const size_t count = size_t{part.triangles()} * 3;
-  if (streamCount(part.indices()) != count) return bad("indices have the wrong length");
+  if (Status status = checkStream(part.indices(), 4, count); !status.ok()) return status;
   indices.resize(count);
   return decodeStream(part.indices(), 4, count, indices.data());
 }
@@ -139,10 +140,16 @@ uint32_t streamCount(const format::Stream* stream) {
   return stream ? stream->count() : 0;
 }
 
-Status decodeStream(const format::Stream* stream, uint32_t stride, size_t count, void* out) {
+Status checkStream(const format::Stream* stream, uint32_t stride, size_t count) {
   if (count == 0) return {};
   if (!stream || !stream->data() || stream->stride() != stride || stream->count() != count)
     return bad("a stream has the wrong shape");
+  if (count > kMostUnpacked * stream->data()->size() / stride) return bad("a stream is cut short");
+  return {};
+}
+
+Status decodeStream(const format::Stream* stream, uint32_t stride, size_t count, void* out) {
+  if (Status status = checkStream(stream, stride, count); count == 0 || !status.ok()) return status;
   const std::span<const uint8_t> bytes(stream->data()->data(), stream->data()->size());
   switch (stream->codec()) {
     case format::Codec::Raw:

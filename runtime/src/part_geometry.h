@@ -32,7 +32,9 @@ struct PartGeometry {
 // `influences`.
 Status decodePart(const format::Part& part, uint32_t influences, PartGeometry& out);
 
-// Decodes a stream of `stride`-byte elements; its count must be `count`. Null is a stream of no elements.
+// A stream of `stride`-byte elements whose count must be `count`; null is a stream of no elements.
+// checkStream() comes before memory is taken for the elements: whether there are bytes enough for so many.
+Status checkStream(const format::Stream* stream, uint32_t stride, size_t count);
 Status decodeStream(const format::Stream* stream, uint32_t stride, size_t count, void* out);
 uint32_t streamCount(const format::Stream* stream);
 

@@ -35,6 +35,14 @@ std::string blackSheet() {
   return builder.glb(scene(R"("attributes":{"POSITION":0,"COLOR_0":2},"indices":1)"));
 }
 
+std::string unwrappedSheet() {
+  GltfBuilder builder;
+  builder.add(kSquare, "VEC3", 3);
+  builder.add(kTriangles, "SCALAR", 1);
+  builder.add(std::vector<float>{0, 1, 1, 1, 1, 0, 0, 0}, "VEC2", 2);
+  return builder.glb(scene(R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1)"));
+}
+
 class BadInput : public ToolTest {
  protected:
   Outcome cook(const std::filesystem::path& source, const std::vector<std::string>& more = {}) const {
@@ -108,6 +116,18 @@ TEST_F(BadInput, PositionsThatAreNoNumbers) {
     expectBadSource(write("nan.glb", sheet(positions)));
   }
 }
+TEST_F(BadInput, PositionsBeyondAllMeasure) {
+  std::vector<float> positions = kSquare;
+  positions[3] = 3e38f;
+  expectBadSource(write("far.glb", sheet(positions)));
+  const std::string node = R"({"mesh":0})", far = R"({"mesh":0,"scale":[1e38,1,1]})";
+  GltfBuilder builder;
+  builder.add(kSquare, "VEC3", 3);
+  builder.add(kTriangles, "SCALAR", 1);
+  std::string text = scene(R"("attributes":{"POSITION":0},"indices":1)");
+  text.replace(text.find(node), node.size(), far);
+  expectBadSource(write("scaled.glb", builder.glb(text)));
+}
 TEST_F(BadInput, NoTriangles) {
   GltfBuilder builder;
   builder.add(kSquare, "VEC3", 3);
@@ -160,6 +180,17 @@ TEST_F(BadInput, RecipeNamingATextureThatIsNone) {
   write("words.png", "no picture");
   expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"texture": "words.png", "channel": "r"}}]})",
                   "words.png");
+}
+// libpng says on stderr what OpenImageIO hands on, too.
+TEST_F(BadInput, RecipeNamingAnImageOfNoTexels) {
+  using namespace std::string_literals;
+  write("none.png", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\0\0\0\0\0\x08\0\0\0\0\x1e\xe0\x23\xce"s);
+  expectBadRecipe(sheet(), R"({"layers": [{"name": "a", "mask": {"texture": "none.png"}}]})", "none.png");
+}
+TEST_F(BadInput, ASpacingTooSmallForTheSurfaceNamesItsLayer) {
+  expectBadRecipe(unwrappedSheet(),
+                  R"({"layers": [{"name": "lines", "compress": {"synthesize": {"spacing": 1e-9}}}]})",
+                  "layer \"lines\": a wrinkle spacing of 1e-09");
 }
 TEST_F(BadInput, TheModuleForImagesIsMissing) {
   namespace fs = std::filesystem;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -59,21 +60,41 @@ TEST_F(AuthoredTest, NormalsAreRenormalised) {
     EXPECT_LE(std::hypot(normal.pixels[i], normal.pixels[i + 1]), 0.6f / std::sqrt(1.36f) + 0.02f);
 }
 
+template <typename Read>
+std::string faultOf(const Read& read) {
+  try {
+    read();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit(), Exit::kBadData);
+    return e.what();
+  }
+  return "";
+}
+
 TEST_F(AuthoredTest, WhatIsNoNormalMapIsRefused) {
-  const auto error = [&](const std::filesystem::path& file) -> std::string {
-    try {
-      readNormals(file, Green::kOpenGl);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.exit(), Exit::kBadData);
-      return e.what();
-    }
-    return "";
+  const auto error = [](const std::filesystem::path& file) {
+    return faultOf([&] { readNormals(file, Green::kOpenGl); });
   };
   EXPECT_THAT(error(write({{0.1f, 0.1f, 0.1f}, {0.5f, 0.5f, 0.5f}})),
               testing::HasSubstr("100% of its texels"));
   EXPECT_THAT(error(write({coloured(0, 0, -1), coloured(0, 0, 1)})), testing::HasSubstr("50% of its texels"));
+  EXPECT_THAT(error(write({coloured(0.008f, 0, 1), coloured(0, -0.008f, 1)})),
+              testing::HasSubstr("all upright"));
   writeImage(folder_ / "grey.png", {4, 4, 1, std::vector<float>(16, 0.5f)});
   EXPECT_THAT(error(folder_ / "grey.png"), testing::HasSubstr("one channel"));
+}
+
+TEST_F(AuthoredTest, HeightsThatAreNoReliefAreRefused) {
+  const auto error = [](const std::filesystem::path& file) { return faultOf([&] { readHeights(file); }); };
+  EXPECT_EQ(error(write({{0.1f, 0, 0}, {0.2f, 0, 0}})), "");
+  EXPECT_THAT(error(write({{0.1f, 0, 0}, {0.1f, 1, 1}})), testing::HasSubstr("one height everywhere"));
+  // Two texels of red 0.5 and 2, as shared exponents.
+  const std::string_view header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+  const char texels[] = {'\x80', 0, 0, '\x80', '\x80', 0, 0, '\x82'};
+  std::ofstream(folder_ / "tall.hdr", std::ios::binary)
+      .write(header.data(), std::ssize(header))
+      .write(texels, sizeof texels);
+  EXPECT_THAT(error(folder_ / "tall.hdr"), testing::HasSubstr("its heights go from 0.5"));
 }
 
 // A sheet 2 wide and 0.5 high in z = 0 seen from +z; the image's right is +x (or -x, mirrored), its top +y.

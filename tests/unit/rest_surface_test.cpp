@@ -203,5 +203,17 @@ TEST(Loader, RefusesWhatNothingFollowsFrom) {
               StatusCode::kBadData);
 }
 
+// Of a stream that promises 32 GB, not kOutOfMemory.
+TEST(Loader, NoMemoryIsTakenForWhatTheBytesCannotHold) {
+  const Status status = loadChanged([](format::Asset& a) {
+    // The generated code has no way to the bytes of a field.
+    const auto* table = reinterpret_cast<const uint8_t*>(a.place_points());
+    const uint8_t* fields = table - flatbuffers::ReadScalar<flatbuffers::soffset_t>(table);
+    const auto count = flatbuffers::ReadScalar<flatbuffers::voffset_t>(fields + format::Stream::VT_COUNT);
+    flatbuffers::WriteScalar(const_cast<uint8_t*>(table + count), 0xffffffffu);
+  });
+  EXPECT_EQ(status.code, StatusCode::kBadData) << status.message;
+}
+
 }  // namespace
 }  // namespace furrow::tests

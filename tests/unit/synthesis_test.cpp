@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
-#include "pipeline/error.h"
 #include "pipeline/maps/kernels.h"
 #include "tests/unit/surfaces.h"
 
@@ -332,7 +332,7 @@ TEST(Synthesis, WhateverTheFieldTheMapsAreFinite) {
 TEST(Synthesis, RefusesWhatItCannotDo) {
   const Surface surface = sheet();
   LayerField field = along(surface, {1, 0, 0});
-  EXPECT_THROW(Synthesis(surface, field, skin(1e-6)), Error);
+  EXPECT_THROW(Synthesis(surface, field, skin(1e-6)), std::length_error);
   EXPECT_THROW(Synthesis(surface, field, {Preset::kSkin, 0.0, 0.1, 1}), std::invalid_argument);
   EXPECT_THROW(Synthesis(surface, field, {Preset::kSkin, NAN, 0.1, 1}), std::invalid_argument);
   field.strength.pop_back();

@@ -116,6 +116,14 @@ TEST(TexelMap, BadUvsAreLeftOut) {
   }
 }
 
+// Measured in such a window, the triangle lies further out than integers count.
+TEST(TexelMap, AWindowMayBeTiny) {
+  const Surface surface = surfaceOf({{0, 0}, {0.1f, 0}, {0, 0.1f}}, {{0, 1, 2}});
+  for (const uint32_t t : mapTexels(surface, kFirst, {8, 8, {0.5, 0.5}, {1e-20, 1e-20}}, 2).triangle) {
+    EXPECT_EQ(t, kNoIndex);
+  }
+}
+
 // A window of 20 x 12 texels across both borders of the unit square shows what a map of the whole shows
 // there.
 TEST(TexelMap, AWindowIsAPartOfTheWhole) {
