@@ -96,6 +96,39 @@ Status writeStruct(T value, T* out) {
   return {};
 }
 
+// f(begin, end, worker) over [0, count) by the host's job system. False if the host numbered its workers
+// wrongly.
+template <typename Function>
+bool parallel(const FurrowContext& context, uint32_t count, uint32_t grain, const Function& f) {
+  const FurrowContextDesc& host = context.desc;
+  if (!host.parallel_for || host.workers == 1 || count <= grain) {
+    f(0u, count, 0u);
+    return true;
+  }
+  struct Call {
+    const Function& f;
+    uint32_t workers, count;
+    std::atomic<bool> sound = true;
+  } call{f, host.workers, count};
+  host.parallel_for(
+      host.user, count, grain,
+      [](void* data, uint32_t begin, uint32_t end, uint32_t worker) {
+        Call& c = *static_cast<Call*>(data);
+        if (worker < c.workers && begin <= end && end <= c.count)
+          c.f(begin, end, worker);
+        else
+          c.sound.store(false, std::memory_order_relaxed);
+      },
+      &call);
+  return call.sound.load(std::memory_order_relaxed);
+}
+
+// What parallel() came to.
+inline Status soundness(bool sound) {
+  return sound ? Status()
+               : invalid("parallel_for went beyond its count or its workers; the frame is not whole");
+}
+
 // An object of the host's memory.
 template <typename T, typename... Arguments>
 T* create(FurrowContext& context, Arguments&&... arguments) {

@@ -4,7 +4,6 @@
 #include "host_frame.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "furrow/drivers.h"
@@ -14,33 +13,6 @@ namespace {
 
 // Items of a job that are worth handing to another thread.
 constexpr uint32_t kVertexGrain = 2048, kClusterGrain = 2;
-
-// f(begin, end, worker) over [0, count) by the host's job system. False if the host numbered its workers
-// wrongly.
-template <typename Function>
-bool parallel(const FurrowContext& context, uint32_t count, uint32_t grain, const Function& f) {
-  const FurrowContextDesc& host = context.desc;
-  if (!host.parallel_for || host.workers == 1 || count <= grain) {
-    f(0u, count, 0u);
-    return true;
-  }
-  struct Call {
-    const Function& f;
-    uint32_t workers, count;
-    std::atomic<bool> sound = true;
-  } call{f, host.workers, count};
-  host.parallel_for(
-      host.user, count, grain,
-      [](void* data, uint32_t begin, uint32_t end, uint32_t worker) {
-        Call& c = *static_cast<Call*>(data);
-        if (worker < c.workers && begin <= end && end <= c.count)
-          c.f(begin, end, worker);
-        else
-          c.sound.store(false, std::memory_order_relaxed);
-      },
-      &call);
-  return call.sound.load(std::memory_order_relaxed);
-}
 
 template <typename Job>
 bool parallelJob(const FurrowContext& context, const Job& job, uint32_t count) {
@@ -253,11 +225,6 @@ bool runOcclusion(FurrowInstance& instance, const FurrowFrame& frame, const Plan
                          instance.occlusion_deltas,
                          {frame.occlusion, view.vertexCount()}};
   return parallelJob(instance.asset.context, job, view.vertexCount());
-}
-
-Status soundness(bool sound) {
-  return sound ? Status()
-               : invalid("parallel_for went beyond its count or its workers; the frame is not whole");
 }
 
 }  // namespace

@@ -1176,6 +1176,94 @@ static void testPlan(FurrowContext* context, File file) {
   furrow_asset_release(asset);
 }
 
+/* The surface at rest from the front, white, with every weight at `weight`; picture and depth are 4 and 1
+   floats a pixel. */
+static void drawPicture(FurrowAsset* asset, int16_t weight, float* picture, float* depth) {
+  FurrowStatus status;
+  FurrowAssetInfo info = {.size = sizeof info};
+  FurrowGeometry geometry = {.size = sizeof geometry};
+  FurrowPicture desc = {.size = sizeof desc};
+  float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f}, size = 0.0f;
+  float* colors;
+  int16_t* weights;
+  char* raw;
+  size_t i;
+  int c;
+  CHECK_OK(furrow_asset_info(asset, &info, &status));
+  CHECK_OK(furrow_asset_geometry(asset, &geometry, &status));
+  colors = malloc(3 * sizeof(float) * info.vertices);
+  weights = malloc(sizeof(int16_t) * info.weight_stride * info.vertices);
+  for (i = 0; i < 3 * (size_t)info.vertices; ++i) {
+    colors[i] = 1.0f;
+    if (geometry.positions[i] < low[i % 3]) low[i % 3] = geometry.positions[i];
+    if (geometry.positions[i] > high[i % 3]) high[i % 3] = geometry.positions[i];
+  }
+  for (i = 0; i < (size_t)info.weight_stride * info.vertices; ++i) weights[i] = weight;
+  for (c = 0; c < 3; ++c)
+    if (high[c] - low[c] > size) size = high[c] - low[c];
+  for (c = 0; c < 3; ++c) {
+    const float scale = (c == 2 ? -1.8f : 1.8f) / size;
+    desc.view_projection[5 * c] = scale, desc.view_projection[4 * c + 3] = -scale * (low[c] + high[c]) / 2.0f;
+  }
+  desc.view_projection[15] = 1.0f;
+  desc.positions = geometry.positions, desc.colors = colors, desc.weights = weights;
+  desc.width = 150, desc.height = 130, desc.picture = picture, desc.depth = depth;
+  desc.memory_bytes = furrow_picture_memory(asset, 150, 130);
+  raw = malloc(desc.memory_bytes + 64);
+  desc.memory = raw + (64 - (size_t)raw % 64) % 64;
+  CHECK(desc.memory_bytes > 0);
+  CHECK_OK(furrow_picture_draw(asset, &desc, &status));
+  if (weight == 0) {
+    FurrowPicture wrong = desc;
+    wrong.memory_bytes -= 64;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, &wrong, &status));
+    wrong = desc, wrong.memory = (char*)desc.memory + 8;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, &wrong, &status));
+    wrong = desc, wrong.positions = NULL;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, &wrong, &status));
+    wrong = desc, wrong.samples = 3;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, &wrong, &status));
+    wrong = desc, wrong.colors = NULL;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, &wrong, &status));
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, NULL, &status));
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(NULL, &desc, &status));
+    CHECK(furrow_picture_memory(asset, 0, 10) == 0 && furrow_picture_memory(asset, 10, 4097) == 0);
+  }
+  free(raw), free(colors), free(weights);
+}
+
+/* The same bits from a host with jobs and from one thread; creases darken and nothing else changes. */
+static void testPicture(FurrowContext* context, Host* host, File file) {
+  enum { kPixels = 150 * 130 };
+  FurrowStatus status;
+  FurrowContext* alone = NULL;
+  FurrowAsset *asset = NULL, *other = NULL;
+  float* pictures[3];
+  float* depths[3];
+  int i, covered = 0, darker = 0;
+  long allocations;
+  CHECK_OK(furrow_context_create(NULL, &alone, &status));
+  asset = loadAsset(context, file, 0, 0), other = loadAsset(alone, file, 0, 0);
+  for (i = 0; i < 3; ++i) pictures[i] = malloc(16 * kPixels), depths[i] = malloc(4 * kPixels);
+  allocations = host->allocations;
+  drawPicture(asset, 0, pictures[0], depths[0]);
+  drawPicture(asset, 32767, pictures[1], depths[1]);
+  CHECK(host->allocations == allocations);
+  drawPicture(other, 32767, pictures[2], depths[2]);
+  CHECK(memcmp(pictures[1], pictures[2], 16 * kPixels) == 0 &&
+        memcmp(depths[1], depths[2], 4 * kPixels) == 0);
+  CHECK(memcmp(depths[0], depths[1], 4 * kPixels) == 0);
+  for (i = 0; i < kPixels; ++i) {
+    const float *plain = pictures[0] + 4 * i, *creased = pictures[1] + 4 * i;
+    CHECK(plain[3] == creased[3] && fabsf(plain[0] - plain[3]) < 1e-5f && creased[0] <= plain[0]);
+    CHECK((depths[0][i] < 1.0f) == (plain[3] > 0.0f) && depths[0][i] >= -1.0f);
+    covered += plain[3] == 1.0f, darker += creased[0] < 0.9f * plain[0];
+  }
+  CHECK(covered > kPixels / 20 && darker > covered / 50);
+  for (i = 0; i < 3; ++i) free(pictures[i]), free(depths[i]);
+  furrow_asset_release(asset), furrow_asset_release(other), furrow_context_release(alone);
+}
+
 int main(int argc, char** argv) {
   FurrowStatus status;
   Host host = {0, 0, -1, 0, 0, 0, 0};
@@ -1195,6 +1283,7 @@ int main(int argc, char** argv) {
   testMemoryAndReload(context, &host, face, sleeve);
   testJobs(&host, context, sleeve);
   testPlan(context, face);
+  testPicture(context, &host, sleeve);
   CHECK(furrow_instance_weights(NULL) == NULL && furrow_instance_asset(NULL) == NULL);
   CHECK(furrow_instance_positions(NULL) == NULL && furrow_instance_normals(NULL) == NULL &&
         furrow_instance_tangents(NULL) == NULL);

@@ -571,6 +571,31 @@ FURROW_API int32_t furrow_shader_source(uint32_t shader, FurrowShaderSource* sou
 FURROW_API int32_t furrow_plan_write(const FurrowPlan* plan, uint32_t role, const FurrowFrame* frame,
                                      void* out, size_t bytes, FurrowStatus* status);
 
+// ---- Pictures without a GPU: the software rasteriser ----
+
+// A posed surface with its creases as pixels; furrow/raster.h says how it is drawn, and what state an engine
+// sets that draws alpha shading itself.
+typedef struct FurrowPicture {
+  size_t size;
+  const float* positions;     // posed, 3 a vertex in the asset's order, as furrow_instance_positions()
+  float view_projection[16];  // row-major, clip = M (p, 1), near plane at z = -w, far plane at w, +y up
+  uint32_t width, height;     // 1 to 4096
+  uint32_t samples;           // a pixel: 1 or 4; 0: 4
+  const float* colors;        // 3 a vertex: lit, linear; NULL if there is no `picture`
+  const float* back_colors;   // of triangles seen clockwise; NULL: `colors`
+  const int16_t* weights;     // as furrow_instance_weights(); NULL: no creases
+  float vertex_shade;         // of parts without maps, [0, 1]; 0: 0.55
+  void* memory;               // furrow_picture_memory() bytes, aligned to 64
+  size_t memory_bytes;
+  float* picture;  // out, 4 a pixel from the top: linear colour times coverage, coverage; or NULL
+  float* depth;    // out, a pixel: z / w in [-1, 1], 1 where there is nothing; or NULL
+} FurrowPicture;
+// Bytes; 0 for a size that cannot be drawn.
+FURROW_API size_t furrow_picture_memory(const FurrowAsset* asset, uint32_t width, uint32_t height);
+// By the context's jobs; allocates nothing, takes no lock. Pictures of one asset may be drawn at once.
+FURROW_API int32_t furrow_picture_draw(const FurrowAsset* asset, const FurrowPicture* picture,
+                                       FurrowStatus* status);
+
 #ifdef __cplusplus
 }
 #endif
