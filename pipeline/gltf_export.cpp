@@ -42,6 +42,7 @@ class Exporter {
     model_.defaultScene = 0;
     addNodes();
     nameLayers();
+    weighAtRest();
     for (const TextureSet& set : asset_.texture_sets) addImages(set);
     for (const Part& part : asset_.parts) addPart(part);
     for (const Clip& clip : rig_.clips) addClip(clip);
@@ -198,6 +199,13 @@ class Exporter {
                                                          {"layers", Value(layers)}})}});
   }
 
+  void weighAtRest() {
+    const std::vector<float> q(asset_.pointCount(), 1.0f);
+    rest_weights_.resize(size_t{asset_.vertexCount()} * asset_.weightStride());
+    for (uint32_t l = 0; l < asset_.layerCount(); ++l)
+      RespondJob{&asset_, l, asset_.layers[l].response, 0.0f, q, rest_weights_}.run(0, asset_.vertexCount());
+  }
+
   void addLayerAttributes(const Part& part, std::map<std::string, int>& attributes) {
     const uint32_t count = part.vertex_end - part.vertex_begin;
     std::vector<float> values(count);
@@ -207,13 +215,10 @@ class Exporter {
     };
     if (asset_.pointCount() <= uint32_t{1} << 24)
       add("_POINT", [&](uint32_t v) { return static_cast<float>(asset_.vertex_point[v]); });
-    const std::vector<float> rest(asset_.pointCount(), 1.0f);
-    std::vector<int16_t> weights(size_t{asset_.vertexCount()} * asset_.weightStride());
     for (uint32_t l = 0; l < asset_.layerCount(); ++l) {
       const Layer& layer = asset_.layers[l];
-      RespondJob{&asset_, l, layer.response, 0.0f, rest, weights}.run(part.vertex_begin, part.vertex_end);
       add("_WEIGHT" + suffixes_[l], [&](uint32_t v) {
-        return static_cast<float>(weights[size_t{v} * asset_.weightStride() + l]) / 32767.0f;
+        return static_cast<float>(rest_weights_[size_t{v} * asset_.weightStride() + l]) / 32767.0f;
       });
       add("_MASK" + suffixes_[l],
           [&](uint32_t v) { return layer.mask.empty() ? 1.0f : static_cast<float>(layer.mask[v]) / 255.0f; });
@@ -459,6 +464,7 @@ class Exporter {
   const Rig& rig_;
   tinygltf::Model model_;
   std::vector<std::string> suffixes_;  // of the attributes of every layer
+  std::vector<int16_t> rest_weights_;
   std::vector<Value> set_extras_;
   std::map<std::tuple<std::string_view, float, float, float, float, float, uint32_t>, int> materials_;
   std::vector<std::pair<int, std::vector<uint32_t>>> morphed_nodes_;  // node, its targets in the asset

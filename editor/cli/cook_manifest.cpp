@@ -194,13 +194,12 @@ class ManifestCook {
 
   std::vector<std::string> arguments(const ManifestAsset& asset) const {
     const pipeline::CookRequest& request = asset.request;
-    std::vector<std::string> words = {
-        "furrow",    "cook",
-        "-o",        asset.output.string(),
-        "--threads", std::to_string((options_.threads + options_.jobs - 1) / options_.jobs)};
+    std::vector<std::string> words = {"furrow", "cook"};
     const auto add = [&](const char* option, const std::string& value) {
-      words.insert(words.end(), {option, value});
+      words.push_back(std::string(option) + '=' + value);
     };
+    add("--output", asset.output.string());
+    add("--threads", std::to_string((options_.threads + options_.jobs - 1) / options_.jobs));
     if (!request.recipe.empty()) add("--recipe", request.recipe.string());
     if (request.geometry == pipeline::GeometryCodec::kRaw) add("--geometry", "raw");
     if (!options_.cache.empty()) add("--cache", options_.cache.string());
@@ -211,7 +210,7 @@ class ManifestCook {
       std::snprintf(fps, sizeof fps, "%.17g", request.source.fps);
       add("--fps", fps);
     }
-    if (!request.source.base.empty()) add("--", request.source.base.string());
+    if (!request.source.base.empty()) words.insert(words.end(), {"--", request.source.base.string()});
     return words;
   }
 

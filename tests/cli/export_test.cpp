@@ -188,7 +188,12 @@ class Export : public ToolTest {
       };
       if (!layer.mask.empty()) expectStored("_MASK_", layer.mask, 255.0f);
       expectStored("_BIAS_", layer.bias, 32767.0f);
-      EXPECT_EQ(attribute("_WEIGHT_" + name).size(), asset().vertexCount());
+      const std::vector<float> weights = attribute("_WEIGHT_" + name);
+      ASSERT_EQ(weights.size(), asset().vertexCount());
+      ASSERT_GE(layer.response.lambda, 1.0f) << "wrinkles nothing at rest by itself";
+      for (size_t v = 0; v < weights.size(); ++v)
+        ASSERT_NEAR(weights[v], layer.bias.empty() ? 0.0f : static_cast<float>(layer.bias[v]) / 32767.0f,
+                    1e-4f);
       const std::vector<float> directions = attribute("_DIRECTION_" + name),
                                sure = attribute("_CONFIDENCE_" + name);
       ASSERT_EQ(directions.size(), 3 * asset().vertexCount());
