@@ -8,14 +8,20 @@
 
 JOBS ?= $(shell nproc)
 
-.PHONY: deps build test fuzz demo figures clean
+.PHONY: deps configure build programs test fuzz demo figures clean
 
 deps:
 	tools/deps.sh
 
-build:
+configure:
 	cmake --preset release $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+
+build: configure
 	cmake --build build -j $(JOBS)
+
+# What the demo and the figures need: no tests, no benchmarks.
+programs: configure
+	cmake --build build -j $(JOBS) --target furrow furrow-editor furrow_content furrow_contact_sheet furrow_figures
 
 test: deps build
 	tools/test.sh build $(JOBS)
@@ -23,10 +29,10 @@ test: deps build
 fuzz: deps
 	tools/fuzz.sh $(JOBS)
 
-demo: deps build
+demo: deps programs
 	tools/demo.sh build/bin build/content out
 
-figures: deps build
+figures: deps programs
 	tools/figures.sh build/bin build/content docs/figures
 
 clean:

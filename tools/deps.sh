@@ -14,8 +14,7 @@ packages=(
   # figures
   gnuplot-nox fonts-dejavu-core
   # tests
-  libgtest-dev libgmock-dev libvulkan-dev mesa-vulkan-drivers libglfw3-dev xvfb xauth libbenchmark-dev python3-jsonschema
-  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema xvfb xauth
+  libgtest-dev libgmock-dev libbenchmark-dev libvulkan-dev mesa-vulkan-drivers xvfb xauth python3-jsonschema
 )
 
 if ! command -v apt-get >/dev/null; then
