@@ -40,7 +40,8 @@ struct Executor::State {
   std::array<GLuint, kBuffers> texels{};  // buffer textures
   GLuint sums = 0, framebuffer = 0, vertex_array = 0;
   bool debug = false;
-  bool some = false;  // kInstances is not all of them
+  bool some = false;                 // kInstances is not all of them
+  uint32_t active_layers = 0xffffu;  // of the last upload
   ResetStatus asked = nullptr;
   std::vector<std::byte> constants;  // an instance's kFrame or kMorphWeights
   bool lost = false;                 // the names are another context's by now, or nobody's
@@ -61,6 +62,14 @@ struct Executor::State {
 
   bool raster() const { return plan->options().form == Form::kRaster; }
   std::span<std::byte> scratch(uint64_t bytes) { return std::span(constants).first(bytes); }
+  // Of the raster form: what clears or fills a slice of layers that are all switched off is left out.
+  bool isActive(const Item& item) const {
+    if (item.kind == ItemKind::kBarrier || !item.captured.empty()) return true;
+    const auto& layers = plan->slices()[item.slice].layers;
+    return std::any_of(std::begin(layers), std::end(layers), [&](uint32_t layer) {
+      return layer != kAbsent && (active_layers >> layer & 1u) != 0;
+    });
+  }
   GLuint buffer(Buffer id) const { return id == Buffer::kCount ? 0 : buffers[static_cast<size_t>(id)]; }
   Status checkContext();
   Status checkLimits(const Item& item) const;
@@ -284,6 +293,7 @@ Status Executor::create(const FramePlan& plan, ResetStatus lost) {
 Status Executor::upload(const FrameInput& input, uint32_t instance) {
   if (Status status = state_->checkContext(); !status.ok()) return status;
   const FramePlan& plan = *state_->plan;
+  state_->active_layers = input.active_layers;
   std::span<std::byte> bytes = state_->scratch(plan.instanceBytes(Buffer::kFrame));
   plan.writeFrame(input, bytes);
   upload(Buffer::kFrame, bytes, instance * bytes.size());
@@ -325,6 +335,7 @@ Status Executor::run(std::span<const uint32_t> instances) {
   }
   for (size_t i = 0; i < s.programs.size(); ++i) {
     const Item& item = s.plan->items()[i];
+    if (s.raster() && !s.isActive(item)) continue;
     if (s.debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, item.label);
     if (s.programs[i]) glUseProgram(s.programs[i]);
     constexpr GLfloat kNothing[4] = {};

@@ -88,6 +88,8 @@ struct TieredFrame::State {
       cpu = std::make_unique<CpuTier>();
       return cpu->create(*asset, options);
     }
+    if (tier == Tier::kGpuRaster && options.ease)
+      return Status::error(StatusCode::kUnavailable, "weights do not ease on the gpu-raster tier");
     options.form = formOf(tier);
     plan = std::make_unique<FramePlan>(*asset, options);
     executor = std::make_unique<Executor>();

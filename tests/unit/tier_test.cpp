@@ -112,6 +112,22 @@ TEST_F(LostContext, EveryLossIsReportedAndCostsOneTier) {
   EXPECT_TRUE(frame.run(input_).ok());  // nobody asks any more
 }
 
+TEST_F(LostContext, WeightsThatEaseSkipTheRasterTier) {
+  gl::TieredFrame frame;
+  const PlanOptions options{.ease = true};
+  EXPECT_EQ(frame.create(ball_.view(), Tier::kGpuRaster, options).code, StatusCode::kUnavailable);
+  ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu, options, reportedReset).ok());
+  const std::vector<Ease> eases(ball_.view().layerCount(), Ease{1.0f, 1.0f});
+  input_.eases = eases;
+  ASSERT_TRUE(frame.run(input_).ok());
+  expectWeights(frame);  // a first frame is all the way there
+  resets_to_report = 1;
+  EXPECT_FALSE(frame.run(input_).ok());
+  EXPECT_EQ(frame.tier(), Tier::kCpu);
+  ASSERT_TRUE(frame.run(input_).ok());
+  expectWeights(frame);
+}
+
 TEST_F(LostContext, ADestroyedContextIsALostOne) {
   gl::TieredFrame frame;
   ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu).ok());

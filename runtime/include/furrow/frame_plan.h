@@ -105,11 +105,11 @@ struct Binding {
 enum class ItemKind : uint8_t {
   kDispatch,  // run `shader` with groups[0] x groups[1] work-groups; in the clustered form groups[1] is the
               // number of kInstances to run, where the host may put fewer than all
-  kDraw,     // draw `count` points numbered from 0 with the rasteriser off, capturing `captured`; or, where
-             // there are indices, `count` corners of triangles from index `first`, without depth, blended
-             // ONE, ONE into slice `slice` of the sums, which the shader's uniform `item` names too
-  kClear,    // set slice `slice` of the sums to 0
-  kBarrier,  // what was written before is read after
+  kDraw,      // draw `count` points numbered from 0 with the rasteriser off, capturing `captured`; or, where
+              // there are indices, `count` corners of triangles from index `first`, without depth, blended
+              // ONE, ONE into slice `slice` of the sums, which the shader's uniform `item` names too
+  kClear,     // set slice `slice` of the sums to 0
+  kBarrier,   // what was written before is read after
 };
 
 struct Item {
@@ -172,7 +172,8 @@ class FramePlan {
   // The bytes of kMorphWeights likewise: weight * position_step, weight * normal_step a morph.
   void writeMorphWeights(const FrameInput& input, std::span<std::byte> out) const;
 
-  // A slice of the sums: up to three layers that measure the same triangles.
+  // A slice of the sums: up to three layers that measure the same triangles. Its clear and its draw may be
+  // left out where none of them is in FrameInput::active_layers.
   struct Slice {
     uint32_t layers[3];  // kAbsent: none
     uint32_t first_word, record_words;
