@@ -235,7 +235,6 @@ static void testAsset(FurrowContext* context, Host* host, File file) {
   FurrowAssetDesc desc = {.size = sizeof desc};
   FurrowGeometry geometry = {.size = sizeof geometry};
   uint32_t i, drivers = 0;
-  long before;
 
   CHECK_OK(furrow_asset_info(asset, &info, &status));
   CHECK(info.size == sizeof info && info.vertices > 1000 && info.triangles > 1000 &&
@@ -331,10 +330,17 @@ static void testAsset(FurrowContext* context, Host* host, File file) {
   desc.bytes = file.bytes, desc.byte_count = file.count, desc.flags = 64;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_asset_create(context, &desc, &asset, &status));
   desc.flags = 0;
-  /* Memory that runs out anywhere is an error and leaks nothing. */
-  before = host->live_bytes;
+}
+
+/* Memory that runs out anywhere is an error and leaks nothing. */
+static void testOutOfMemory(FurrowContext* context, Host* host, File file) {
+  FurrowStatus status;
+  FurrowAsset* asset = NULL;
+  FurrowAssetDesc desc = {.size = sizeof desc, .bytes = file.bytes, .byte_count = file.count};
+  const long before = host->live_bytes;
+  long i;
   for (i = 0; i < 400; i += 1 + i / 16) {
-    host->fail_after = (long)i;
+    host->fail_after = i;
     if (furrow_asset_create(context, &desc, &asset, &status) == FURROW_OK) break;
     CHECK(status.code == FURROW_OUT_OF_MEMORY && host->live_bytes == before);
   }
@@ -1275,6 +1281,7 @@ int main(int argc, char** argv) {
   testContext();
   CHECK_OK(furrow_context_create(&desc, &context, &status));
   testAsset(context, &host, face);
+  testOutOfMemory(context, &host, sleeve);
   testPoses(context, sleeve);
   testDualQuaternions(context, sleeve);
   testResponse(context, sleeve);

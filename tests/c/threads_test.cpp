@@ -1,4 +1,4 @@
-// threads_test FACE.furrow SLEEVE.furrow: many instances of one asset on many threads, assets loading and
+// threads_test ASSET.furrow SLEEVE.furrow: many instances of one asset on many threads, assets loading and
 // instances going over to them meanwhile; and the same bits for any number of threads, on every instruction
 // set, on both sides of every seam.
 
@@ -177,9 +177,9 @@ void testReloadUnderRunningInstances(const std::vector<char>& a, const std::vect
 
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
-  const std::vector<char> face = readFile(argv[1]), sleeve = readFile(argv[2]);
+  const std::vector<char> other = readFile(argv[1]), sleeve = readFile(argv[2]);
   testSameBits(sleeve);
-  testReloadUnderRunningInstances(face, sleeve);
+  testReloadUnderRunningInstances(other, sleeve);
   std::printf("%d failures\n", failures);
   return failures ? 1 : 0;
 }
