@@ -7,6 +7,7 @@
 #include "content/face_parts.h"
 #include "content/head.h"
 #include "content/models.h"
+#include "content/noise.h"
 #include "content/performance.h"
 
 // Puts the parts of the face together; centimetres become metres.
@@ -21,7 +22,7 @@ constexpr double kPi = glm::pi<double>();
 
 // By FaceMaterial.
 std::vector<Material> materials() {
-  return {{"skin", glm::vec3(1), 0.50f},
+  return {{"skin", glm::vec3(1), 0.56f},
           {"ears", glm::vec3(1), 0.55f},
           {"lids", {1.05f, 0.82f, 0.80f}, 0.35f, true},
           {"mouth", {0.30f, 0.10f, 0.09f}, 0.5f, true},
@@ -30,6 +31,15 @@ std::vector<Material> materials() {
           {"brows", glm::vec3(1), 0.85f, true},
           {"shirt", glm::vec3(1), 0.9f, true},
           {"eye", glm::vec3(1), 0.12f}};
+}
+
+// Skin is never smooth: what pores and down do to its shading, as fine as the mesh can hold.
+dvec3 pored(dvec3 normal, dvec3 p) {
+  const auto noise = [&](double x) {
+    return valueNoise(p * 4.2 + dvec3(x)) + 0.8 * valueNoise(p * 7.7 + dvec3(x));
+  };
+  const double much = 0.022 * (1 - 0.7 * hairAt(p)) * smoothRamp(-12.0, -6.0, p.z);
+  return glm::normalize(normal + much * dvec3(noise(0), noise(31), noise(67)));
 }
 
 void addPainting(Primitive& primitive) {
@@ -92,7 +102,8 @@ std::vector<Primitive> primitives(const FacePart& part, size_t expressions) {
       if (!fresh) continue;
       const uint32_t point = part.mesh.vertices[vertex].point;
       out.positions.emplace_back(part.mesh.points[point] * 0.01);
-      out.normals.emplace_back(normals[point]);
+      out.normals.emplace_back(material == kSkin ? pored(normals[point], part.mesh.points[point])
+                                                 : normals[point]);
       out.uvs.emplace_back(part.mesh.vertices[vertex].uv.x, 1 - part.mesh.vertices[vertex].uv.y);
       if (!part.colors.empty()) out.colors.emplace_back(glm::vec3(glm::min(part.colors[point], 1.0)), 1.0f);
       for (size_t e = 0; e < expressions; ++e) {

@@ -115,7 +115,7 @@ FacePart lashes() {
       const dvec3 out = glm::normalize(root - head::kEye);
       const double length = longest * (0.55 + 0.6 * smoothRamp(0.0, 0.75, t)) * random.between(0.8, 1.1);
       const dvec3 fan = glm::normalize(
-          out + dvec3(0.75 * (t - 0.42) + 0.12 * (random.next() - 0.5), lower ? -0.35 : 0.05, 0.2));
+          out + dvec3(0.55 * (t - 0.42) + 0.12 * (random.next() - 0.5), lower ? -0.35 : 0.05, 0.2));
       std::vector<dvec3> spine;
       for (int k = 0; k < 4; ++k) {
         const double s = k / 3.0;
@@ -124,7 +124,7 @@ FacePart lashes() {
       addRibbon(part, spine, 0.05, {root, false, lower}, dvec3(0.012, 0.008, 0.006), 0.8, kBrows);
     }
   };
-  row(false, 52, 0.40);
+  row(false, 52, 0.33);
   row(true, 34, 0.17);
   return mirrored(std::move(part));
 }
