@@ -20,7 +20,7 @@ Scene buildJacket();
 Scene buildSleeve();
 
 // A square of cloth with the morph targets shear, pinch and squeeze; clip "pull". _DIR_PINCH runs around the
-// pinch.
+// pinch, _MASK_A.r covers it.
 Scene buildPanel();
 
 }  // namespace furrow::content

@@ -71,6 +71,7 @@ Scene buildPanel() {
   panel.name = "Panel";
   Primitive& cloth = panel.primitives.emplace_back();
   std::vector<glm::vec3> around_pinch;
+  std::vector<glm::vec4> masks;
   for (size_t p = 0; p < flat.size(); ++p) {
     cloth.positions.emplace_back(mesh.points[p]);
     cloth.normals.emplace_back(normals[p]);
@@ -78,6 +79,7 @@ Scene buildPanel() {
     const dvec2 q = flat[p] - kPinch;
     around_pinch.emplace_back(glm::length(q) > 1e-9 ? glm::normalize(glm::vec3(-q.y, q.x, 0))
                                                     : glm::vec3(1, 0, 0));
+    masks.emplace_back(smoothRamp(0.24, 0.10, glm::length(q)), 0, 0, 1);
     // A woven check with a hem.
     const double edge = kHalf - std::max(std::abs(flat[p].x), std::abs(flat[p].y));
     const auto band = [](double x) {
@@ -90,6 +92,7 @@ Scene buildPanel() {
   for (const SurfaceMesh::Triangle& triangle : mesh.triangles)
     cloth.indices.insert(cloth.indices.end(), triangle.vertices.begin(), triangle.vertices.end());
   cloth.vec3_attributes = {{"_DIR_PINCH", std::move(around_pinch)}};
+  cloth.vec4_attributes = {{"_MASK_A", std::move(masks)}};
 
   for (const auto& [name, move] :
        {std::pair{"shear", &shear}, std::pair{"pinch", &pinch}, std::pair{"squeeze", &squeeze}}) {
