@@ -315,7 +315,7 @@ struct Influence {
 
 Influence influenceOf(dvec3 p) {
   const Place place = placeOf(p);
-  const double bend = smoothRamp(kUpperArm - 10.0, kUpperArm + 10.0, place.along) * place.sleeve;
+  const double bend = smoothRamp(kUpperArm - 14.0, kUpperArm + 14.0, place.along) * place.sleeve;
   const double spine = smoothRamp(-33.0, -17.0, p.y), chest = smoothRamp(-17.0, 1.0, p.y),
                body = 1 - place.sleeve;
   const bool left = place.side > 0;
@@ -349,7 +349,7 @@ void paint(Primitive& primitive, const std::vector<dvec3>& positions, const std:
     const Place place = placeOf(p);
     const double body = 1 - place.sleeve;
     const dvec3 axis = place.axis * dvec3(place.side, 1, 1);
-    const double elbow = place.sleeve * bump((place.along - kUpperArm) / 14.0);
+    const double elbow = place.sleeve * bump((place.along - kUpperArm) / 19.0);
     const double apart = armDistance({std::abs(p.x), p.y, p.z}) - torsoDistance({std::abs(p.x), p.y, p.z});
     const double shoulder = bump((place.along - 3.0) / 14.0) * smoothRamp(9.0, 2.0, apart);
     const double waist = body * bump((p.y + 19.0) / 17.0);
@@ -458,7 +458,7 @@ Scene buildJacket() {
   const auto upAndDown = [](double t) {
     return t < 0.6 ? std::sin(kPi * t / 0.6) : -0.42 * std::sin(kPi * (t - 0.6) / 0.4);
   };
-  scene.clips = {swing("bend", 2.0, {{5, elbow, 92}, {7, elbow_right, 92}}, outAndBack),
+  scene.clips = {swing("bend", 2.0, {{5, elbow, 85}, {7, elbow_right, 85}}, outAndBack),
                  swing("raise", 3.0, {{4, {0, 0, 1}, 75}, {6, {0, 0, 1}, -75}}, upAndDown),
                  swing("twist", 3.0, {{2, {0, 1, 0}, 22}, {3, {0, 1, 0}, 22}}, toBothSides),
                  swing("lean", 2.0, {{2, {1, 0, 0}, 24}, {3, {1, 0, 0}, 20}}, outAndBack),

@@ -76,7 +76,7 @@ motions() {
   picture "twist$2" --shading "$1" --clip twist --time 0.75
   camera=(--yaw 20 --zoom 2 --target 0.1 0 0)
   picture "arms raised$2" --shading "$1" --clip raise --time 0.9
-  camera=(--yaw 52 --pitch 12 --zoom 2.8 --target -0.36 -0.06 0.06)
+  camera=(--yaw 32 --pitch 22 --zoom 2.4 --target -0.34 -0.06 0.06)
   picture "elbows bent$2" --shading "$1" --clip bend --time 1
 }
 motions none ", without"

@@ -161,5 +161,16 @@ TEST_F(DemoPicture, ABentElbowFoldsTheSleeve) {
   expectNearlyTheSameInSoftware(bend);
 }
 
+TEST_F(DemoPicture, ALeaningJacketFoldsAtTheWaist) {
+  cook("jacket", {"--yaw", "24", "--zoom", "2.4", "--target", "0", "-0.18", "0"});
+  const std::vector<std::string> lean = {"--clip", "lean", "--time", "1"};
+  const Image folded = draw("interpolated", lean), plain = draw("none", lean),
+              rest = draw("interpolated", {});
+  const Window waist = {105, 95, 165, 150};
+  EXPECT_GT(fineness(folded, waist, true), 2.0 * fineness(plain, waist, true));
+  EXPECT_GT(fineness(folded, waist, true), 2.0 * fineness(rest, waist, true));
+  expectStored("waist_folded.png", folded, plain);
+}
+
 }  // namespace
 }  // namespace furrow::test
