@@ -6,7 +6,7 @@
 namespace furrow {
 namespace {
 
-// The expression order of the measures is that of shaders/compress.comp.
+// The expression order of the measures is that of shaders/measure.glsl.
 
 inline float clampQ(float q) {
   return q >= 0.0f ? std::min(q, kMaxQ) : 1.0f;
