@@ -1,4 +1,4 @@
-// A stored asset of every format version: the present one loads and gives the numbers it gave when it was
+// Stored assets of format versions: the present one loads and gives the numbers it gave when it was
 // stored, every other is refused with both versions and what to do.
 
 #include <gtest/gtest.h>
