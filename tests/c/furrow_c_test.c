@@ -860,7 +860,6 @@ static void testBinding(FurrowContext* context, Host* host, File file) {
     FurrowPosedMesh two[2];
     FurrowBinding* half[2];
     FurrowBindDesc part_desc = desc;
-    unsigned char* covered = calloc(info.points, 1);
     uint32_t* corners = malloc(12 * (size_t)info.triangles);
     uint32_t h;
     memset(covered, 0, info.points);
