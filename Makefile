@@ -4,11 +4,12 @@
 # make fuzz    10 seconds of libFuzzer a target, where clang is installed with it
 # make demo    make the demo characters, cook them and render pictures into out
 # make figures make the figures of docs/figures.md anew
+# make bench   run the benchmarks and write their tables into docs/performance.md
 # make clean   remove every build folder
 
 JOBS ?= $(shell nproc)
 
-.PHONY: deps configure build programs test fuzz demo figures clean
+.PHONY: deps configure build programs test fuzz demo figures bench clean
 
 deps:
 	tools/deps.sh
@@ -34,6 +35,9 @@ demo: deps programs
 
 figures: deps programs
 	tools/figures.sh build/bin build/content docs/figures
+
+bench: deps build
+	tools/bench.sh build docs/performance.md
 
 clean:
 	rm -rf build build-dev build-asan build-clang build-asan-clang build-fuzz out
