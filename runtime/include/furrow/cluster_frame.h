@@ -35,6 +35,18 @@ struct ClusterLimits {
   uint32_t triangles = 65520;        // at most so many: a ring entry has 16 bits
 };
 
+// Takes memory at cache lines.
+template <typename T>
+struct LineAllocator : std::pmr::polymorphic_allocator<T> {
+  using std::pmr::polymorphic_allocator<T>::polymorphic_allocator;
+  template <typename U>
+  struct rebind {
+    using other = LineAllocator<U>;
+  };
+  T* allocate(size_t count) { return static_cast<T*>(this->resource()->allocate(count * sizeof(T), 64)); }
+  void deallocate(T* memory, size_t count) { this->resource()->deallocate(memory, count * sizeof(T), 64); }
+};
+
 // One cluster: where its data begin in Clusters::words. 16-bit data lie two to a word, the lower first.
 struct Cluster {
   uint32_t points;  // owned; the first slots
@@ -90,7 +102,7 @@ class Clusters {
 
   const AssetView* asset = nullptr;
   std::pmr::vector<Cluster> clusters;
-  std::pmr::vector<uint32_t> words;
+  std::vector<uint32_t, LineAllocator<uint32_t>> words;
   // layerCount() a cluster, for the layers it covers: first the coefficients, coefficientCount(measure) x
   // kTriangleLanes floats for every kTriangleLanes triangles, then 16 bits a point: the ring's weights that
   // are in the layer; 0: none.
