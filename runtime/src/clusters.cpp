@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "src/cluster_kernels.h"
+#include "src/deform_kernel.h"
 
 namespace furrow {
 namespace {
@@ -347,6 +348,8 @@ Status Clusters::build(const AssetView& source, const ClusterLimits& limits) try
   *this = Clusters(memory);
   Clusters built(memory);
   built.asset = &source;
+  if (source.influences == 0 || source.influences > kMostInfluences)
+    return Status::error(StatusCode::kUnavailable, "%u influences a vertex", source.influences);
   if (Status status = Builder(source, limits, built).build(); !status.ok()) return status;
   for (const Cluster& c : built.clusters)
     built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c));

@@ -41,6 +41,8 @@ void morph(const DeformJob& job, uint32_t begin, uint32_t end) {
 
 Status DeformJob::validate() const {
   if (!asset) return Status::error(StatusCode::kInvalidArgument, "deform: no asset");
+  if (asset->influences == 0 || asset->influences > kMostInfluences)
+    return Status::error(StatusCode::kInvalidArgument, "deform: %u influences a vertex", asset->influences);
   const size_t vertices = asset->vertexCount();
   if (palette.size() != asset->palette.size())
     return Status::error(StatusCode::kInvalidArgument, "deform: %zu palette matrices, the asset has %zu",

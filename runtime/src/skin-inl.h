@@ -8,13 +8,12 @@
 #endif
 
 #include "furrow/types.h"
+#include "src/deform_kernel.h"
 #include "src/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace furrow {
 namespace HWY_NAMESPACE {
-
-constexpr uint32_t kMostInfluences = 255;  // of an asset
 
 constexpr float kUnorm16 = 1.0f / 65535.0f;
 static_assert(65535.0f * kUnorm16 == 1.0f, "a single influence must not scale the vertex");

@@ -383,4 +383,12 @@ TEST(Skinning, EveryInstructionSetGivesTheSameBitsForAnyRange) {
   }
 }
 
+TEST(Skinning, RefusesMoreInfluencesThanTheKernelsHold) {
+  Cloud cloud(1);
+  cloud.add({0, 0, 0}, std::vector<std::pair<uint16_t, uint16_t>>(256, {0, 0}));
+  const std::vector<Affine> palette(1);
+  std::vector<Float3> out(1);
+  EXPECT_FALSE((DeformJob{&cloud.view, palette, {}, out, {}, {}}.validate().ok()));
+}
+
 }  // namespace
