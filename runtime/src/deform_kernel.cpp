@@ -111,10 +111,12 @@ HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_
 
 // Memory for a group of fewer than kWidth vertices, in the company of zeros.
 struct LastGroup {
-  uint16_t joints[kMostInfluences * kWidth] = {}, weights[kMostInfluences * kWidth] = {};
+  uint16_t joints[kMostInfluences * kWidth], weights[kMostInfluences * kWidth];
   float positions[3 * kWidth] = {}, normals[3 * kWidth] = {}, tangents[4 * kWidth] = {};
 
   Group of(const Group& from, uint32_t influences) {
+    std::fill_n(joints, kWidth * influences, uint16_t{0});
+    std::fill_n(weights, kWidth * influences, uint16_t{0});
     std::copy(from.joints, from.joints + from.count * influences, joints);
     std::copy(from.weights, from.weights + from.count * influences, weights);
     std::copy(from.positions, from.positions + 3 * from.count, positions);
