@@ -266,6 +266,21 @@ void testFrames(Subject& s) {
   read.binding = s.binding, read.format = FURROW_WEIGHTS_FLOAT, read.out = out.data(),
   read.bytes = 4 * out.size();
   quiet("reading weights", [&] { return furrow_instance_read(bare, &read, nullptr) == FURROW_OK; });
+
+  FurrowPlanDesc desc = {};
+  desc.size = sizeof desc, desc.skinning = FURROW_SKINNING_DUAL_QUATERNION;
+  FurrowPlan* plan = nullptr;
+  FurrowStatus status;
+  must(furrow_plan_create(s.asset, &desc, &plan, &status), status);
+  std::vector<float> bytes(4096 + 17 * s.palette.size() + 2 * s.morph_weights.size());
+  quiet("what a plan takes", [&] {
+    for (uint32_t role : {FURROW_BUFFER_FRAME, FURROW_BUFFER_PALETTE, FURROW_BUFFER_MORPH_WEIGHTS})
+      if ((role != FURROW_BUFFER_MORPH_WEIGHTS || s.info.morphs > 0) &&
+          furrow_plan_write(plan, role, &plain, bytes.data(), 4 * bytes.size(), nullptr) != FURROW_OK)
+        return false;
+    return true;
+  });
+  furrow_plan_release(plan);
   furrow_instance_release(bare);
   furrow_instance_release(full);
 }

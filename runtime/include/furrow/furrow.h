@@ -21,11 +21,11 @@
 //   binding says otherwise. Matrices are the upper three rows of an affine 4x4 matrix, row-major, for column
 //   vectors.
 //
-// Memory: contexts, assets, bindings, instances and plans, and all they hold, come from the context's
-// allocator. What does not is given back before the call returns: working memory of furrow_asset_create()
-// (decoding, Draco among it; about the asset's size once more) and of furrow_binding_create() with a
-// tolerance, both by C++'s operator new; and what plans hold for furrow_plan_buffer(), by the same.
-// furrow_instance_frame() allocates nothing, takes no lock and makes no system call.
+// Memory: contexts, assets, bindings and instances, and all they hold, come from the context's allocator. By
+// C++'s operator new come working memory of furrow_asset_create() (decoding, Draco among it; about the
+// asset's size once more) and of furrow_binding_create() with a tolerance, given back before the call
+// returns, and what a plan holds, given back when it is released. furrow_instance_frame() allocates nothing,
+// takes no lock and makes no system call; neither do reading, recapture and furrow_plan_write().
 
 #include <stddef.h>
 #include <stdint.h>
