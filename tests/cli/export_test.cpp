@@ -283,7 +283,7 @@ TEST_F(Export, OfRealFilesPosesAsTheyDo) {
   for (const char* name : {"skinned", "morph"}) {
     const std::filesystem::path corpus = std::filesystem::path(FURROW_CORPUS) / name;
     if (!std::filesystem::exists(corpus)) continue;
-    for (const auto& entry : std::filesystem::directory_iterator(corpus)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(corpus)) {
       const std::string extension = entry.path().extension();
       if ((extension != ".glb" && extension != ".gltf") || entry.file_size() > 600000) continue;
       SCOPED_TRACE(entry.path());
