@@ -8,6 +8,7 @@
 
 #include "content/face_parts.h"
 #include "content/head.h"
+#include "content/solids.h"
 #include "content/surface_net.h"
 
 // The ear is sculpted as a distance like the head, joined to it, and meshed by surface nets [Gibson 1998]
@@ -73,23 +74,23 @@ double earDistance(dvec3 point) {
   const dvec3 p = frame.local(point);
   // The shell stands away from the head towards the back.
   const double lift = 0.5 + 0.20 * p.x;
-  double d = head::ellipsoid({p.x, p.y, p.z - lift}, {0.95, 0.75, 0.0}, {1.55, 2.25, 0.22});
-  d = head::join(d, head::ellipsoid({p.x, p.y, p.z - lift}, {0.75, -1.2, 0.0}, {0.95, 1.3, 0.22}), 0.3);
-  d = head::join(d, head::ellipsoid(p, {0.5, -0.1, -0.1}, {0.95, 1.5, 0.75}), 0.5);
-  d = head::join(d, head::ellipsoid(p, {0.6, -2.15, 0.5}, {0.72, 0.78, 0.26}), 0.35);
-  d = head::carve(d, head::ellipsoid(p, {0.5, -0.2, 0.85}, {0.78, 0.95, 0.75}), 0.25);
-  d = head::join(d, tube(p, kAntihelix), 0.22);
-  d = head::join(d, tube(p, kLowerLeg), 0.2);
-  d = head::join(d, tube(p, kHelix), 0.16);
-  d = head::join(d, head::ellipsoid(p, {0.62, -1.25, 0.72}, {0.34, 0.28, 0.28}), 0.25);
-  d = head::join(d, head::ellipsoid(p, {-0.40, -0.5, 0.42}, {0.34, 0.62, 0.42}), 0.35);
+  double d = ellipsoid({p.x, p.y, p.z - lift}, {0.95, 0.75, 0.0}, {1.55, 2.25, 0.22});
+  d = join(d, ellipsoid({p.x, p.y, p.z - lift}, {0.75, -1.2, 0.0}, {0.95, 1.3, 0.22}), 0.3);
+  d = join(d, ellipsoid(p, {0.5, -0.1, -0.1}, {0.95, 1.5, 0.75}), 0.5);
+  d = join(d, ellipsoid(p, {0.6, -2.15, 0.5}, {0.72, 0.78, 0.26}), 0.35);
+  d = carve(d, ellipsoid(p, {0.5, -0.2, 0.85}, {0.78, 0.95, 0.75}), 0.25);
+  d = join(d, tube(p, kAntihelix), 0.22);
+  d = join(d, tube(p, kLowerLeg), 0.2);
+  d = join(d, tube(p, kHelix), 0.16);
+  d = join(d, ellipsoid(p, {0.62, -1.25, 0.72}, {0.34, 0.28, 0.28}), 0.25);
+  d = join(d, ellipsoid(p, {-0.40, -0.5, 0.42}, {0.34, 0.62, 0.42}), 0.35);
   return d;
 }
 
 namespace {
 
 double headWithEar(dvec3 p) {
-  return head::join(head::distance(p), earDistance(p), 0.3);
+  return join(head::distance(p), earDistance(p), 0.3);
 }
 
 }  // namespace
@@ -131,20 +132,7 @@ FacePart ears() {
   }
   part.materials.assign(part.mesh.triangles.size(), kEar);
 
-  const uint32_t points = static_cast<uint32_t>(part.mesh.points.size()),
-                 vertices = static_cast<uint32_t>(part.mesh.vertices.size());
-  for (uint32_t p = 0; p < points; ++p) {
-    part.addPoint(part.mesh.points[p] * dvec3(-1, 1, 1), part.points[p].lower_lip, part.points[p].lower_lid);
-    part.colors.push_back(part.colors[p]);
-  }
-  for (uint32_t v = 0; v < vertices; ++v)
-    part.mesh.addVertex(part.mesh.vertices[v].point + points, part.mesh.vertices[v].uv);
-  for (size_t t = 0, count_now = part.materials.size(); t < count_now; ++t) {
-    const auto corners = part.mesh.triangles[t].vertices;
-    part.mesh.addTriangle(vertices + corners[0], vertices + corners[2], vertices + corners[1]);
-    part.materials.push_back(kEar);
-  }
-  return part;
+  return withMirrorImage(std::move(part));
 }
 
 }  // namespace furrow::content

@@ -25,6 +25,9 @@ struct FacePart {
   uint32_t addPoint(glm::dvec3 position, bool lower_lip = false, bool lower_lid = false);
 };
 
+// A part and its mirror image, vertex for vertex.
+FacePart withMirrorImage(FacePart part);
+
 // skin.cpp: the head from the collar to the crown, cut open at the eyes and the mouth, with the insides of
 // the lids and a pocket behind the lips.
 FacePart faceSkin();

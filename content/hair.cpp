@@ -48,28 +48,6 @@ void addRibbon(FacePart& part, const std::vector<dvec3>& spine, double width, co
   part.materials.resize(part.mesh.triangles.size(), material);
 }
 
-FacePart mirrored(FacePart part) {
-  const FacePart half = part;
-  const uint32_t points = static_cast<uint32_t>(half.mesh.points.size()),
-                 vertices = static_cast<uint32_t>(half.mesh.vertices.size());
-  constexpr dvec3 kMirror(-1, 1, 1);
-  for (uint32_t p = 0; p < points; ++p) {
-    part.mesh.points.push_back(half.mesh.points[p] * kMirror);
-    HeadPoint mover = half.points[p];
-    mover.position *= kMirror;
-    mover.offset *= kMirror;
-    part.points.push_back(mover);
-    part.colors.push_back(half.colors[p]);
-  }
-  for (const SurfaceMesh::Vertex& vertex : half.mesh.vertices)
-    part.mesh.addVertex(vertex.point + points, vertex.uv);
-  for (const SurfaceMesh::Triangle& triangle : half.mesh.triangles)
-    part.mesh.addTriangle(vertices + triangle.vertices[0], vertices + triangle.vertices[2],
-                          vertices + triangle.vertices[1]);
-  part.materials.resize(part.mesh.triangles.size(), half.materials[0]);
-  return part;
-}
-
 dvec3 tangential(dvec3 v, dvec3 normal) {
   return glm::normalize(v - normal * glm::dot(v, normal));
 }
@@ -100,7 +78,7 @@ FacePart brows() {
     addRibbon(part, spine, 0.046, {root},
               glm::mix(dvec3(0.020, 0.012, 0.008), dvec3(0.055, 0.034, 0.022), shade), 0.3, kBrows);
   }
-  return mirrored(std::move(part));
+  return withMirrorImage(std::move(part));
 }
 
 FacePart lashes() {
@@ -126,7 +104,7 @@ FacePart lashes() {
   };
   row(false, 52, 0.33);
   row(true, 34, 0.17);
-  return mirrored(std::move(part));
+  return withMirrorImage(std::move(part));
 }
 
 FacePart hair() {

@@ -7,35 +7,12 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 
+#include "content/solids.h"
+
 namespace furrow::content::head {
-namespace {
 
 using glm::dvec2;
 using glm::dvec3;
-
-// A limb whose radius goes from ra at a to rb at b.
-double limb(dvec3 p, dvec3 a, dvec3 b, double ra, double rb) {
-  const double t = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0, 1.0);
-  return glm::distance(p, glm::mix(a, b, t)) - glm::mix(ra, rb, t);
-}
-
-}  // namespace
-
-double ellipsoid(dvec3 p, dvec3 centre, dvec3 radii) {
-  const dvec3 q = (p - centre) / radii;
-  const double k0 = glm::length(q), k1 = glm::length(q / radii);
-  return k1 > 0 ? k0 * (k0 - 1) / k1 : -std::min({radii.x, radii.y, radii.z});
-}
-
-// Quilez, smooth minimum, cubic.
-double join(double a, double b, double k) {
-  const double h = std::max(k - std::abs(a - b), 0.0) / k;
-  return std::min(a, b) - h * h * h * k / 6;
-}
-
-double carve(double a, double b, double k) {
-  return -join(-a, b, k);
-}
 
 // The masses take their proportions from measured heads; the features are drawn on them.
 double distance(dvec3 p) {

@@ -14,10 +14,6 @@ inline constexpr double kEyeInner = 1.78, kEyeOuter = 4.52;  // x of the corners
 inline constexpr double kMouth = 2.55;                       // x of the corner
 
 double distance(glm::dvec3 p);
-double ellipsoid(glm::dvec3 p, glm::dvec3 centre, glm::dvec3 radii);  // about
-// Union and difference of distances, with a fillet about `width` wide.
-double join(double a, double b, double width);
-double carve(double a, double b, double width);
 glm::dvec3 normal(glm::dvec3 p);
 
 // The nearest surface, about; `offset` above it.

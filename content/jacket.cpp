@@ -7,9 +7,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 
-#include "content/head.h"
 #include "content/models.h"
 #include "content/noise.h"
+#include "content/solids.h"
 #include "content/surface_mesh.h"
 #include "content/surface_net.h"
 
@@ -22,7 +22,6 @@ namespace {
 
 using glm::dvec2;
 using glm::dvec3;
-using head::join;
 
 constexpr double kPi = glm::pi<double>();
 constexpr double kHem = -38.5, kCuff = 49.5, kUpperArm = 28.0, kNeck = 7.6;
@@ -51,15 +50,10 @@ struct Place {
   double turn;    // about the arm, from the front over the top
 };
 
-double limb(dvec3 p, dvec3 a, dvec3 b, double ra, double rb) {
-  const double t = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0, 1.0);
-  return glm::distance(p, glm::mix(a, b, t)) - glm::mix(ra, rb, t);
-}
-
 double torsoDistance(dvec3 m) {
   const dvec3 flat(m.x, m.y, m.z * 1.42);
   double d = limb(flat, {0, -2, 0}, {0, -60, 0}, 16.2, 15.6);
-  d = join(d, head::ellipsoid(m, {0, 2.5, -0.6}, {17.6, 14.0, 11.4}), 4.0);
+  d = join(d, ellipsoid(m, {0, 2.5, -0.6}, {17.6, 14.0, 11.4}), 4.0);
   d = join(d, limb(m, {5.0, 13.2, -2.4}, {16.0, 9.6, -1.2}, 5.0, 6.4), 3.0);
   return d;
 }

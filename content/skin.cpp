@@ -333,6 +333,28 @@ uint32_t FacePart::addPoint(dvec3 position, bool lower_lip, bool lower_lid) {
   return static_cast<uint32_t>(mesh.points.size() - 1);
 }
 
+FacePart withMirrorImage(FacePart part) {
+  const FacePart half = part;
+  const uint32_t points = static_cast<uint32_t>(half.mesh.points.size()),
+                 vertices = static_cast<uint32_t>(half.mesh.vertices.size());
+  constexpr dvec3 kMirror(-1, 1, 1);
+  for (uint32_t p = 0; p < points; ++p) {
+    part.mesh.points.push_back(half.mesh.points[p] * kMirror);
+    HeadPoint mover = half.points[p];
+    mover.position *= kMirror;
+    mover.offset *= kMirror;
+    part.points.push_back(mover);
+    part.colors.push_back(half.colors[p]);
+  }
+  for (const SurfaceMesh::Vertex& vertex : half.mesh.vertices)
+    part.mesh.addVertex(vertex.point + points, vertex.uv);
+  for (const SurfaceMesh::Triangle& triangle : half.mesh.triangles)
+    part.mesh.addTriangle(vertices + triangle.vertices[0], vertices + triangle.vertices[2],
+                          vertices + triangle.vertices[1]);
+  part.materials.resize(part.mesh.triangles.size(), half.materials[0]);
+  return part;
+}
+
 FacePart faceSkin() {
   FacePart skin = mirrored(HalfFace().take());
   const std::vector<dvec3> normals = pointNormals(skin.mesh, skin.mesh.points);

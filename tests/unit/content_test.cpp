@@ -14,6 +14,7 @@
 #include <set>
 
 #include "content/models.h"
+#include "content/surface_net.h"
 
 namespace furrow::content {
 namespace {
@@ -125,6 +126,29 @@ std::vector<glm::vec3> skinned(const Scene& scene, const Primitive& primitive, c
 std::string bytesOf(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A ball: every point on it, closed, its area, its quads facing out.
+TEST(SurfaceNet, MeshesABall) {
+  const auto ball = [](glm::dvec3 p) { return glm::length(p - glm::dvec3(0.1, -0.2, 0.3)) - 1.0; };
+  const SurfaceNet net = surfaceNet(ball, glm::dvec3(-1.5), glm::dvec3(1.5), 0.1);
+  for (glm::dvec3 p : net.points) ASSERT_NEAR(ball(p), 0.0, 1e-6);
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;
+  double area = 0;
+  for (const auto& quad : net.quads) {
+    const glm::dvec3 a = net.points[quad[0]], b = net.points[quad[1]], c = net.points[quad[2]],
+                     d = net.points[quad[3]];
+    const glm::dvec3 normal = 0.5 * glm::cross(c - a, d - b);
+    area += glm::length(normal);
+    EXPECT_GT(glm::dot(normal, slopeOf(ball, a)), 0.0);
+    for (int k = 0; k < 4; ++k) ++edges[{quad[k], quad[(k + 1) % 4]}];
+  }
+  EXPECT_NEAR(area, 4 * 3.14159265, 0.05);
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    EXPECT_TRUE(edges.contains({edge.second, edge.first}));
+  }
+  EXPECT_EQ(net.points.size() + net.quads.size() - edges.size() / 2, 2u);
 }
 
 TEST(Content, FaceIsFineEnoughAndOfHumanSize) {
