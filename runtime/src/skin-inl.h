@@ -109,7 +109,7 @@ HWY_INLINE Matrices blend(const Affine* palette, const Joint* joints, uint32_t i
                          : blendFixed<0>(palette, joints, influences, weights, vertex_step, influence_step);
 }
 
-// The expression order here is that of shaders/deform.comp: both tiers must pose a vertex to the same bits.
+// The expression order here is that of shaders/pose.glsl: both tiers must pose a vertex to the same bits.
 HWY_INLINE void transformPoints(const Matrices& a, Lanes& x, Lanes& y, Lanes& z) {
   const Lanes p[3] = {x, y, z};
   const auto row = [&](const Lanes(&m)[4]) { return ((m[0] * p[0] + m[1] * p[1]) + m[2] * p[2]) + m[3]; };
