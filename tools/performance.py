@@ -70,7 +70,7 @@ def frame(result):
                         *against(times["shuffled"] / times[f"whole {result['best']}"], 1.05)])
         if big:
             various.append([f"{n:,}", "two threads, times as fast as one",
-                            *against(case["threads"][0] / case["threads"][1], 1.8, most=False)])
+                            *against(times[f"whole {result['best']}"] / case["two threads"], 1.8, most=False)])
         for form, bar in (("whole", 42), ("posed", 42)):
             what = "with the pose from a palette" if form == "whole" else "from the host's positions"
             various.append([f"{n:,}", f"bytes a triangle, read and written, {what}; staged: {case['bytes']['staged'] / n:.1f}",

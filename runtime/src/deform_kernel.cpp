@@ -72,8 +72,13 @@ Matrices dualQuaternion(const DeformJob& job, const Group& group) {
 constexpr uint32_t kTeam = 4;
 
 HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_t count) {
+#if HWY_TARGET == HWY_SCALAR  // gcc cannot see that these are set where they are read
   Vectors normals[kTeam] = {}, tangents[kTeam] = {};
   Lanes signs[kTeam] = {};
+#else
+  Vectors normals[kTeam], tangents[kTeam];
+  Lanes signs[kTeam];
+#endif
   for (uint32_t g = 0; g < count; ++g) {
     const Group& group = groups[g];
     const Matrices a = job.skinning == Skinning::kLinear ? linear(job, group) : dualQuaternion(job, group);

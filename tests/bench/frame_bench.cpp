@@ -228,6 +228,39 @@ struct Copy {
   std::vector<char> from, to;
 };
 
+// A frame whose halves two threads do, in pieces that begin at once and end when both are done.
+double twoThreads(Character& character, int rounds) {
+  const ClusterFrameJob job = character.frame(bestSimd(), false);
+  const uint32_t count = character.clusters.count();
+  std::vector<std::byte> other(character.scratch.size());
+  const std::span other_memory(other.data() + 64 - (reinterpret_cast<uintptr_t>(other.data()) & 63),
+                               character.clusters.scratchBytes());
+  const auto piece = [&](uint32_t i, std::span<std::byte> memory) {
+    job.run(count * i / (2 * kPieces), count * (i + 1) / (2 * kPieces), memory);
+  };
+  std::atomic<uint32_t> begun = 0, done = 0;
+  const uint32_t steps = static_cast<uint32_t>(rounds) * kPieces;
+  std::thread second([&] {
+    for (uint32_t step = 0; step < steps; ++step) {
+      while (begun <= step) {
+      }
+      piece(kPieces + step % kPieces, other_memory);
+      done = step + 1;
+    }
+  });
+  std::vector<double> least(kPieces, 1e9);
+  for (uint32_t step = 0; step < steps; ++step) {
+    const auto start = Clock::now();
+    begun = step + 1;
+    piece(step % kPieces, character.memory());
+    while (done <= step) {
+    }
+    least[step % kPieces] = std::min(least[step % kPieces], seconds(start));
+  }
+  second.join();
+  return std::accumulate(least.begin(), least.end(), 0.0);
+}
+
 json frames(uint32_t side, int rounds) {
   Character character(skinned(side), layers(1));
   EigenRings eigen(character.view);
@@ -264,40 +297,12 @@ json frames(uint32_t side, int rounds) {
       std::exit(1);
     }
 
-  // Both threads at once cannot be timed in pieces.
-  double one = 1e9, two = 1e9;
-  const ClusterFrameJob job = character.frame(bestSimd(), false);
   const uint32_t count = character.clusters.count();
-  std::vector<std::byte> other(character.scratch.size());
-  const std::span other_memory(other.data() + 64 - (reinterpret_cast<uintptr_t>(other.data()) & 63),
-                               character.clusters.scratchBytes());
-  for (int round = 0; round < 4 * rounds; ++round) {
-    auto start = Clock::now();
-    job.run(0, count, character.memory());
-    one = std::min(one, seconds(start));
-    std::atomic<int> stage = 0;  // the second thread waits, as a job system's does
-    std::thread second([&] {
-      stage = 1;
-      while (stage != 2) {
-      }
-      job.run(count / 2, count, other_memory);
-      stage = 3;
-    });
-    while (stage != 1) {
-    }
-    start = Clock::now();
-    stage = 2;
-    job.run(0, count / 2, character.memory());
-    while (stage != 3) {
-    }
-    two = std::min(two, seconds(start));
-    second.join();
-  }
   return {{"triangles", character.view.triangleCount()},
           {"vertices", character.view.vertexCount()},
           {"clusters", count},
           {"times", timesOf(forms)},
-          {"threads", {one, two}},
+          {"two threads", twoThreads(character, 2 * rounds)},
           {"bytes",
            {{"whole", character.clusters.frameBytes(false)},
             {"posed", character.clusters.frameBytes(true)},
