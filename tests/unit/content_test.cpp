@@ -3,6 +3,7 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -121,6 +122,12 @@ std::vector<glm::vec3> skinned(const Scene& scene, const Primitive& primitive, c
     result.emplace_back(p);
   }
   return result;
+}
+
+// A name that no other run has.
+std::filesystem::path temporary(const std::string& name) {
+  static const std::string run = std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
+  return std::filesystem::path(testing::TempDir()) / ("content_" + run + "_" + name);
 }
 
 std::string bytesOf(const std::filesystem::path& file) {
@@ -518,7 +525,7 @@ TEST(Content, PanelIsShearedPinchedAndSqueezed) {
 }
 
 TEST(Content, ReadsBackAsItWasBuilt) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "content_face.glb";
+  const std::filesystem::path file = temporary("face.glb");
   writeGlb(face(), file);
   tinygltf::TinyGLTF reader;
   tinygltf::Model model;
@@ -555,14 +562,15 @@ TEST(Content, ReadsBackAsItWasBuilt) {
 }
 
 TEST(Content, SameBytesEveryTime) {
-  const std::filesystem::path folder = testing::TempDir();
-  writeGlb(face(), folder / "content_1.glb");
-  writeGlb(buildFace(), folder / "content_2.glb");
-  EXPECT_EQ(bytesOf(folder / "content_1.glb"), bytesOf(folder / "content_2.glb"));
-  writeGlb(jacket(), folder / "content_1.glb");
-  writeGlb(buildJacket(), folder / "content_2.glb");
-  EXPECT_EQ(bytesOf(folder / "content_1.glb"), bytesOf(folder / "content_2.glb"));
-  for (const char* name : {"content_1.glb", "content_2.glb"}) std::filesystem::remove(folder / name);
+  const std::filesystem::path one = temporary("1.glb"), two = temporary("2.glb");
+  writeGlb(face(), one);
+  writeGlb(buildFace(), two);
+  EXPECT_TRUE(bytesOf(one) == bytesOf(two));
+  writeGlb(jacket(), one);
+  writeGlb(buildJacket(), two);
+  EXPECT_TRUE(bytesOf(one) == bytesOf(two));
+  std::filesystem::remove(one);
+  std::filesystem::remove(two);
 }
 
 }  // namespace
