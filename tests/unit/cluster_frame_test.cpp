@@ -262,6 +262,29 @@ TEST(ClusterFrame, EveryPointIsOwnedOnceAndRingsAreWhole) {
   EXPECT_LT(slots, 1.35 * view.vertexCount());
 }
 
+// A sheet, four influences, one layer; a staged frame in fp32 moves 82.
+TEST(ClusterFrame, AFrameMovesAtMost42BytesATriangle) {
+  pipeline::SourceScene scene = tests::sceneOf(tests::sheet(222), [](glm::dvec3 p) { return p; });
+  pipeline::Primitive& primitive = scene.primitives[0];
+  scene.rig.palette.assign(98, {});
+  scene.parts[0].skinned = true;
+  scene.parts[0].palette_count = 98;
+  primitive.influences = 4;
+  for (const glm::vec3& p : primitive.positions)
+    for (uint16_t k = 0; k < 4; ++k) {
+      primitive.joints.push_back(static_cast<uint16_t>(94.0f * std::clamp(p.x, 0.0f, 1.0f)) + k);
+      primitive.weights.push_back(0.25f);
+    }
+  const Asset asset = tests::cookAsset(std::move(scene), tests::recipeOf({tests::axisLayer({1, 0.2, 0})}));
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(asset.view()).ok());
+  const double triangles = asset.view().triangleCount();
+  EXPECT_LE(static_cast<double>(clusters.frameBytes(false)), 42.0 * triangles);
+  EXPECT_LE(static_cast<double>(clusters.frameBytes(true)), 42.0 * triangles);
+  // The weights, the coefficients and half the rings alone are more than this.
+  EXPECT_GE(static_cast<double>(clusters.frameBytes(true)), 20.0 * triangles);
+}
+
 TEST(ClusterFrame, APointOfVeryManyTrianglesStillFits) {
   pipeline::Primitive fan;
   constexpr uint32_t kBlades = 3000;
