@@ -6,7 +6,7 @@
 
 namespace furrow {
 
-inline constexpr uint32_t kLineWords = 16;        // a cache line
+inline constexpr uint32_t kLineWords = 16;  // a cache line
 
 // Before a cluster's packed pose: how its rest positions are stored. `quantized`: as 16-bit integers n, the
 // coordinate being offset + step * (first + n), else as floats.
