@@ -65,5 +65,13 @@ camera=(--yaw 14 --zoom 0.9)
 morphs shear=1
 five panel "panel" shear
 
+# The editor, played by a script on a copy of the face; half as large as on a screen.
+mkdir -p "$out/editor"
+cp "$content/face.glb" "$content/face.json" "$out/editor"
+step "play the editor" "$bin/furrow-editor" "$out/editor/face.glb" --script "$(dirname "$0")/../content/editor_session.txt" --frames "$out" --size 640x640 --scale 0.5
+for shot in "open=editor: a face, opened" "play=editor: brows raised" "paint=editor: painting a rest bias" "split=editor: with and without" "uv=editor: UV layout"; do
+  cells+=("$out/editor_${shot%%=*}.png=${shot#*=}")
+done
+
 step "contact sheet" "$bin/furrow_contact_sheet" "$out/contact_sheet.png" 5 "furrow: dynamic wrinkles" "${cells[@]}"
 echo "demo: pictures in $out, all of them on $out/contact_sheet.png"

@@ -288,7 +288,7 @@ void drawFirstStart(State& state, const std::function<void(const fs::path&)>& op
   };
   constexpr Sample kSamples[] = {
       {"first.face", "face", "Face", "A face with expressions: raise its brows and see the forehead wrinkle"},
-      {"first.clothing", "sleeve", "Clothing", "Clothing on an arm that bends: folds at the elbow"}};
+      {"first.clothing", "jacket", "Jacket", "A jacket on arms that bend: folds at elbow, armpit and waist"}};
   for (const Sample& sample : kSamples) {
     if (&sample != kSamples) ImGui::SameLine();
     if (button(sample.id, sample.label, sample.tip, true, 0.5f * (width - ImGui::GetStyle().ItemSpacing.x)))

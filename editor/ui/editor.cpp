@@ -122,7 +122,7 @@ void Editor::makeActions() {
        "Write a whole turn of the character as numbered PNG files",
        [this, &s] {
          files_.open("Turntable frames into folder", s.settings.folder, {}, true,
-                     [this, &s](const fs::path& folder) { share_.startTurntable(s, folder); });
+                     [this](const fs::path& folder) { share_.startTurntable(folder); });
        },
        is_open},
       {"file.clip",
@@ -517,16 +517,16 @@ void Editor::frame(double seconds) {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   drawMenuBar();
   const float top = ImGui::GetFrameHeight();
-  const float tools = ImGui::GetFrameHeight() + 2.0f * ImGui::GetStyle().WindowPadding.y;
+  const float line = ImGui::GetFrameHeight() + 2.0f * ImGui::GetStyle().WindowPadding.y;
+  const float tools = two_rows_ ? line + ImGui::GetFrameHeightWithSpacing() : line;
   const float status = ImGui::GetFrameHeight();
-  const float line = tools;
   const float problems = state_.problems_shown ? std::min(9.0f * em(), 0.3f * screen.y) : 0.0f;
   const bool panels = !session.source().empty();
   const float left = panels && state_.settings.show_left ? std::min(21.5f * em(), 0.3f * screen.x) : 0.0f;
   const float right = panels && state_.settings.show_right ? std::min(21.5f * em(), 0.3f * screen.x) : 0.0f;
   const float bottom = panels ? line : 0.0f;
   const float body_top = top + (panels ? tools : 0.0f) + 1.0f;
-  const float body = screen.y - body_top - status - 1.0f;
+  const float body = screen.y - body_top - status - bottom - 2.0f;
   if (panels) {
     beginPanel("Tools", {0, top}, {screen.x, tools});
     drawToolbar();
@@ -539,22 +539,22 @@ void Editor::frame(double seconds) {
   }
   if (right > 0.0f) {
     beginPanel("Sliders", {screen.x - right + 1.0f, body_top}, {right - 1.0f, body});
-    drawPlayPanel(state_, frame_ ? &*frame_ : nullptr);
+    drawPlayPanel(state_, frame_ ? &*frame_ : nullptr, share_);
     ImGui::End();
   }
   const float middle = screen.x - left - right;
   if (bottom > 0.0f) {
-    beginPanel("Timeline", {left, body_top + body - bottom}, {middle, bottom});
+    beginPanel("Timeline", {0, body_top + body + 1.0f}, {screen.x, bottom});
     drawTimeline(state_);
     ImGui::End();
   }
   if (problems > 0.0f) {
-    beginPanel("Messages", {left, body_top + body - bottom - problems}, {middle, problems - 1.0f});
+    beginPanel("Messages", {left, body_top + body - problems + 1.0f}, {middle, problems - 1.0f});
     drawProblems(state_);
     ImGui::End();
   }
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
-  beginPanel("View", {left, body_top}, {middle, body - bottom - problems - 1.0f},
+  beginPanel("View", {left, body_top}, {middle, body - problems},
              ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoNavInputs);
   ImGui::PopStyleVar();
   if (panels)
@@ -599,9 +599,11 @@ void Editor::drawToolbar() {
   }
   ImGui::SameLine(0.0f, 1.4f * em());
   drawTools();
-  // From here on aligned to the right.
-  const float wide = state_.split ? 47.5f : 25.5f;
-  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowWidth() - wide * em()));
+  // From here on aligned to the right, or in a row of its own.
+  const float wide = (state_.split ? 47.5f : 25.5f) * em();
+  const float used = ImGui::GetItemRectMax().x + em();
+  two_rows_ = used + wide > ImGui::GetWindowWidth();
+  if (!two_rows_) ImGui::SameLine(ImGui::GetWindowWidth() - wide);
   for (int side = 0; side < (state_.split ? 2 : 1); ++side) {
     Look& look = state_.looks[side];
     const std::string name = side == 0 ? "look" : "look2";

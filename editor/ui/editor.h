@@ -45,7 +45,8 @@ class Editor {
   Share share_;
   FileDialog files_;
   std::optional<preview::PosedFrame> frame_;
-  size_t told_ = 0;  // messages already seen
+  size_t told_ = 0;        // messages already seen
+  bool two_rows_ = false;  // the toolbar does not fit in one
 };
 
 }  // namespace furrow::editor::ui

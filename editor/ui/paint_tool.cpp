@@ -89,6 +89,10 @@ bool PaintTool::begin(State& state, Painted kind) {
       session.tell(Message::Kind::kError, error.what());
     }
   }
+  // A mask that is painted for a layer on the whole surface begins black: all white would be no mask.
+  if (!before && kind == Painted::kMask && std::holds_alternative<pipeline::MaskNone>(layer.mask))
+    before = std::make_shared<pipeline::ByteImage>(
+        canvas_->current(kind, asset, static_cast<uint32_t>(asset.layerCount())));
   if (!before)
     before = std::make_shared<pipeline::ByteImage>(canvas_->current(kind, asset, state.assetLayer(*shown_)));
   kind_ = kind;

@@ -37,7 +37,7 @@ void heldSlider(const std::string& prefix, const std::string& name, std::map<std
 
 }  // namespace
 
-void drawPlayPanel(State& state, const preview::PosedFrame* frame) {
+void drawPlayPanel(State& state, const preview::PosedFrame* frame, Share& share) {
   Session& session = state.session;
   if (!session.shown() || !frame) {
     ImGui::TextDisabled(session.source().empty() ? "Nothing is open" : "Cooking ...");
@@ -99,6 +99,9 @@ void drawPlayPanel(State& state, const preview::PosedFrame* frame) {
         breathing.axes[axis] = !breathing.axes[axis];
     }
   }
+  if (section("section.pictures", "Pictures",
+              "Sizes and numbers of pictures, turntables and clips of the File menu", share.running()))
+    share.draw();
   ImGui::EndChild();
 }
 

@@ -17,7 +17,7 @@ using pipeline::Error;
 using pipeline::Exit;
 
 constexpr double kStep = 1.0 / 30.0;
-constexpr int kDragSteps = 10;
+constexpr int kDragSteps = 6;
 constexpr auto kPatience = std::chrono::seconds(300);  // for a cook
 
 class Runner {

@@ -21,7 +21,7 @@ void Share::saveImage(State& state, Viewport& viewport, const preview::PosedFram
   }
 }
 
-void Share::startTurntable(State&, const std::filesystem::path& folder) {
+void Share::startTurntable(const std::filesystem::path& folder) {
   folder_ = folder;
   turns_ = true;
   next_ = 0;
@@ -63,7 +63,7 @@ void Share::step(State& state, Viewport& viewport) {
   player.time = time;
 }
 
-void Share::draw(State& state) {
+void Share::draw() {
   integer("share.width", "Width", options.width, 16, 4096, "Of the pictures in pixels, 16 to 4096");
   integer("share.height", "Height", options.height, 16, 4096, "Of the pictures in pixels, 16 to 4096");
   integer("share.frames", "Turntable frames", options.frames, 2, 2000, "Pictures in a whole turn, 2 to 2000");
@@ -73,7 +73,6 @@ void Share::draw(State& state) {
   std::snprintf(text, sizeof text, "%d of %d", next_, count_);
   ImGui::ProgressBar(static_cast<float>(next_) / static_cast<float>(count_), {-1.0f, 0.0f}, text);
   if (button("share.cancel", "Stop", "Stops after this frame; those that are written stay")) cancel();
-  (void)state;
 }
 
 }  // namespace furrow::editor::ui

@@ -21,13 +21,13 @@ class Share {
 
   void saveImage(State& state, Viewport& viewport, const preview::PosedFrame& frame,
                  const std::filesystem::path& file);
-  void startTurntable(State& state, const std::filesystem::path& folder);
+  void startTurntable(const std::filesystem::path& folder);
   void startClip(State& state, const std::filesystem::path& folder);
   bool running() const { return next_ < count_; }
   void cancel() { count_ = next_ = 0; }
   // Writes one frame of what was started and puts camera and time back as they were.
   void step(State& state, Viewport& viewport);
-  void draw(State& state);  // options and progress
+  void draw();  // options and progress
 
  private:
   std::filesystem::path folder_;

@@ -1,0 +1,326 @@
+// The real editor, driven by scripts as a person would: without a screen, and once in a real window. The
+// pictures in tests/editor/pictures are compared with what it draws; FURROW_UPDATE=1 in the environment
+// stores what is drawn now, and the guide's screenshots in docs/images.
+
+#include <cmath>
+#include <cstdlib>
+
+#include "editor/preview/headless_context.h"
+#include "pipeline/error.h"
+#include "pipeline/maps/image.h"
+#include "tests/cli/tool.h"
+#include "tests/editor/editor_models.h"
+
+namespace furrow::test {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::Image;
+
+const fs::path kSource = FURROW_SOURCE_DIR;
+const bool kUpdate = std::getenv("FURROW_UPDATE") != nullptr;
+
+// In steps of 1/255: over the picture, and in the worst of its blocks of 16 x 16 pixels. Drivers differ in
+// single pixels at edges, fonts in nothing as long as it is the same one.
+constexpr double kMeanTolerance = 0.6, kBlockTolerance = 12.0;
+
+struct Difference {
+  double mean = 0.0, worst_block = 0.0;
+};
+
+Difference difference(const Image& a, const Image& b) {
+  constexpr uint32_t kBlock = 16;
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  Difference result;
+  if (a.width != b.width || a.height != b.height) return {1e9, 1e9};
+  for (uint32_t y = 0; y + kBlock <= a.height; y += kBlock)
+    for (uint32_t x = 0; x + kBlock <= a.width; x += kBlock) {
+      double sum = 0.0;
+      for (uint32_t i = 0; i < kBlock * kBlock; ++i)
+        for (int c = 0; c < 3; ++c)
+          sum += std::abs(a.at(x + i % kBlock, y + i / kBlock)[c] - b.at(x + i % kBlock, y + i / kBlock)[c]);
+      const double block = sum * 255.0 / (3 * kBlock * kBlock);
+      result.worst_block = std::max(result.worst_block, block);
+      result.mean += block * kBlock * kBlock / (a.width * a.height);
+    }
+  return result;
+}
+
+class EditorTest : public ToolTest {
+ protected:
+  void SetUp() override {
+    try {
+      const preview::HeadlessContext probe;
+    } catch (const pipeline::Error& error) {
+      GTEST_SKIP() << error.what();
+    }
+    write("sheet.glb", editorSheet());
+    write("sheet.json", kEditorRecipe);
+  }
+
+  Outcome play(const std::string& script, const std::string& tier = "cpu") const {
+    return run({"--script", write("script.txt", script), "--frames", output(), "--size", "1024x640",
+                "--backend", tier},
+               FURROW_EDITOR);
+  }
+  void expectPlays(const std::string& script) const {
+    const Outcome outcome = play(script);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+  }
+  Image picture(const std::string& name) const { return pipeline::readImage(output() / (name + ".png")); }
+  // The part that the renderer draws.
+  Image view(const std::string& name) const {
+    const Image whole = picture(name);
+    Image part{320, 400, 4, {}};
+    for (uint32_t y = 0; y < part.height; ++y)
+      part.pixels.insert(part.pixels.end(), whole.at(352, 100 + y), whole.at(352 + part.width, 100 + y));
+    return part;
+  }
+  std::string sheet() const { return "open " + (folder() / "sheet.glb").string() + "\nwait\n"; }
+
+  void expectStored(const std::string& name) const {
+    const fs::path stored = kSource / "tests/editor/pictures" / (name + ".png");
+    const Image drawn = picture(name);
+    if (kUpdate) {
+      fs::create_directories(stored.parent_path());
+      pipeline::writeImage(stored, drawn);
+    }
+    const Difference now = difference(drawn, pipeline::readImage(stored));
+    if (now.mean <= kMeanTolerance && now.worst_block <= kBlockTolerance) return;
+    const fs::path kept = fs::path(FURROW_PICTURES) / (name + ".png");
+    fs::create_directories(kept.parent_path());
+    pipeline::writeImage(kept, drawn);
+    ADD_FAILURE() << "mean " << now.mean << ", worst block " << now.worst_block << ": compare " << kept
+                  << " with " << stored
+                  << "; if the new one is right, run this test with FURROW_UPDATE=1 and commit it";
+  }
+};
+
+constexpr const char* kLooks = R"(
+drag morph.squeeze 0.05 0.5 0.9 0.5
+picture squeezed
+key 2
+key W
+picture split
+)";
+
+TEST_F(EditorTest, ShowsASqueezedSheetWithItsWrinklesAndWeights) {
+  expectPlays(sheet() + kLooks);
+  expectStored("squeezed");
+  expectStored("split");
+  // The pictures can tell whether there are wrinkles.
+  EXPECT_GT(difference(picture("squeezed"), picture("split")).worst_block, 3.0 * kBlockTolerance);
+}
+
+TEST_F(EditorTest, ARealWindowShowsTheSame) {
+  if (std::system("command -v xvfb-run >/dev/null && command -v xauth >/dev/null") != 0)
+    GTEST_SKIP() << "there is no xvfb-run or xauth to open a window with";
+  const Outcome outcome =
+      run({"-c", "exec xvfb-run -a -s '-screen 0 1280x1024x24' '" + std::string(FURROW_EDITOR) +
+                     "' --script '" + write("script.txt", sheet() + kLooks).string() + "' --frames '" +
+                     output().string() + "' --size 1024x640 --backend cpu --window"},
+          "/bin/sh");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expectStored("squeezed");
+  expectStored("split");
+}
+
+TEST_F(EditorTest, AStrangerPaintsABiasChangesAResponseSavesCooksAndRenders) {
+  const fs::path hero = write("hero.glb", editorSheet());  // no recipe beside it
+  const fs::path recipe = folder() / "hero.json", asset = folder() / "hero.furrow";
+  expectPlays("open " + hero.string() + R"(
+wait
+click tool.tool.bias
+drag viewport 0.42 0.6 0.6 0.6
+wait
+drag layer.beta 0.4 0.5 0.7 0.5
+picture painted
+key Ctrl+S
+expect saved
+key Ctrl+K
+key Enter
+wait
+expect message "hero.furrow: cooked"
+expect no error
+)");
+  expectStored("painted");
+  ASSERT_TRUE(fs::exists(recipe));
+  ASSERT_TRUE(fs::exists(asset));
+  EXPECT_TRUE(fs::exists(folder() / "hero_wrinkles_bias.png"));
+  EXPECT_NE(readText(recipe).find("hero_wrinkles_bias.png"), std::string::npos);
+
+  // What the editor cooked is what the tool cooks from what it saved.
+  const fs::path again = output() / "again.furrow";
+  Outcome outcome = run({"cook", hero, "--recipe", recipe, "-o", again, "--quiet"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(readText(asset), readText(again));
+
+  // And it is seen.
+  const auto render = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", asset,     "-o",        output() / (name + ".png"),
+                                          "--size", "128x128", "--backend", "cpu"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome drawn = run(arguments);
+    EXPECT_EQ(drawn.status, 0) << drawn.err;
+    return picture(name);
+  };
+  const Image bias = render("bias", {"--view", "bias"});
+  const float* inside = bias.at(64, 76);
+  const float* outside = bias.at(64, 24);
+  EXPECT_GT(inside[0], inside[2] + 0.3f);      // red: creased at rest
+  EXPECT_NEAR(outside[0], outside[2], 0.03f);  // grey: as it is
+  const Image creased = render("creased", {"--shading", "interpolated"}),
+              plain = render("plain", {"--shading", "none"});
+  EXPECT_GT(difference(creased, plain).worst_block, 1.0);
+}
+
+TEST_F(EditorTest, UndoSavingAndLeavingAskBeforeWorkIsLost) {
+  const fs::path recipe = folder() / "sheet.json";
+  expectPlays(sheet() + R"(
+drag layer.beta 0.4 0.5 0.7 0.5
+expect dirty
+key Ctrl+Z
+expect saved
+key Ctrl+Shift+Z
+expect dirty
+open sheet.glb
+expect widget leave.save
+click leave.cancel
+expect dirty
+click layer.add
+wait
+expect widget "layer.select.wrinkles"
+click layer.up
+click layer.remove
+click layer.select.lines
+click layer.name 0.9 0.5
+key Ctrl+A
+type brows
+key Enter
+expect widget layer.select.brows
+key Ctrl+S
+expect saved
+expect no error
+)");
+  const std::string text = readText(recipe);
+  EXPECT_NE(text.find("\"brows\""), std::string::npos) << text;
+  EXPECT_EQ(text.find("\"wrinkles\""), std::string::npos) << text;
+  EXPECT_EQ(text.find("\"beta\": 4.0 }, \"mask\": \"none\""), std::string::npos) << text;
+}
+
+TEST_F(EditorTest, AFaultShowsInTheListAndTheLastGoodStateStays) {
+  expectPlays(sheet() + R"(
+click layer.mask
+click layer.mask.Attribute
+wait
+expect message "no vertex attribute"
+picture fault
+key Ctrl+Z
+wait
+expect saved
+)");
+  expectStored("fault");
+}
+
+TEST_F(EditorTest, GuidesCombAndMaskReachTheRecipe) {
+  expectPlays(sheet() + R"(
+key G
+drag viewport 0.4 0.4 0.6 0.6
+wait
+key D
+drag viewport 0.4 0.6 0.6 0.6
+wait
+key M
+drag viewport 0.45 0.45 0.55 0.45
+wait
+key Ctrl+S
+expect saved
+expect no error
+)");
+  const std::string text = readText(folder() / "sheet.json");
+  EXPECT_NE(text.find("sheet_lines_direction.png"), std::string::npos) << text;
+  EXPECT_NE(text.find("sheet_lines_mask.png"), std::string::npos) << text;
+  const Image mask = pipeline::readImage(folder() / "sheet_lines_mask.png");
+  EXPECT_EQ(mask.channels, 1u);
+}
+
+TEST_F(EditorTest, EveryTierDrawsTheSame) {
+  for (const char* tier : {"cpu", "gpu-raster", "gpu"}) {
+    const std::string name = std::string("tier_") + tier;
+    const Outcome outcome =
+        play(sheet() + "drag morph.squeeze 0.05 0.5 0.9 0.5\nkey 2\npicture " + name + "\n", tier);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_LT(difference(view(name), view("tier_cpu")).worst_block, 2.0);
+  }
+}
+
+TEST_F(EditorTest, SavesATurntable) {
+  const fs::path frames = output() / "turn";
+  fs::create_directories(frames);
+  expectPlays(sheet() + R"(
+click section.pictures
+click share.frames 0.3 0.5
+key Ctrl+A
+type 4
+key Enter
+click share.width 0.3 0.5
+key Ctrl+A
+type 64
+key Enter
+click menu.File
+click file.turntable
+click dialog.name 0.9 0.5
+type )" + frames.string() +
+              R"(
+key Enter
+wait
+expect message "4 frames written"
+)");
+  EXPECT_TRUE(fs::exists(frames / "frame_0000.png"));
+  EXPECT_TRUE(fs::exists(frames / "frame_0003.png"));
+  EXPECT_FALSE(fs::exists(frames / "frame_0004.png"));
+  const Image first = pipeline::readImage(frames / "frame_0000.png"),
+              quarter = pipeline::readImage(frames / "frame_0001.png");
+  EXPECT_EQ(first.width, 64u);
+  EXPECT_GT(difference(first, quarter).mean, 2.0);
+}
+
+TEST_F(EditorTest, RefusesWhatItCannotDoInOneLine) {
+  const auto refused = [&](const Outcome& outcome, int status, const std::string& named) {
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("furrow-editor: ")) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
+  };
+  refused(run({"missing.glb"}, FURROW_EDITOR), 1, "missing.glb: there is no such file");
+  refused(run({"--nonsense"}, FURROW_EDITOR), 2, "--help");
+  refused(play("click nowhere\n"), 2, "line 1: there is no widget \"nowhere\"");
+  refused(play("jump\n"), 2, "there is no command \"jump\"");
+  refused(play(sheet() + "expect dirty\n"), 2, "expected dirty");
+  refused(play("open none.glb\nexpect no error\n"), 2, "none.glb: there is no such file");
+  EXPECT_EQ(run({"--version"}, FURROW_EDITOR).status, 0);
+  EXPECT_EQ(run({"--help"}, FURROW_EDITOR).status, 0);
+}
+
+// The session of docs/editor_guide.md on the demo face, also a stop of `make demo`.
+TEST_F(EditorTest, TheGuidesSessionGetsThrough) {
+  const fs::path face = folder() / "face.glb";
+  fs::copy_file(fs::path(FURROW_CONTENT) / "face.glb", face);
+  fs::copy_file(fs::path(FURROW_CONTENT) / "face.json", folder() / "face.json");
+  const Outcome outcome = run({face, "--script", kSource / "content/editor_session.txt", "--frames", output(),
+                               "--size", "1200x760", "--backend", "cpu"},
+                              FURROW_EDITOR);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* name : {"editor_open", "editor_play", "editor_paint", "editor_split", "editor_uv"}) {
+    EXPECT_EQ(picture(name).width, 1200u);
+    if (kUpdate)
+      fs::copy_file(output() / (std::string(name) + ".png"),
+                    kSource / "docs/images" / (std::string(name) + ".png"),
+                    fs::copy_options::overwrite_existing);
+  }
+}
+
+}  // namespace
+}  // namespace furrow::test
