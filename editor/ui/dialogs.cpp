@@ -256,7 +256,7 @@ void drawProblems(State& state) {
                         : message.kind == Message::Kind::kWarning ? Colors::kAccent
                                                                   : Colors::kDim;
     ImGui::PushStyleColor(ImGuiCol_Text, color);
-    ImGui::TextUnformatted(message.text.c_str());
+    ImGui::TextUnformatted(state.brief(message.text).c_str());
     ImGui::PopStyleColor();
   }
   if (messages.empty()) ImGui::TextDisabled("Nothing to tell");

@@ -694,8 +694,8 @@ void Editor::drawBanner(ImVec2 low, float width) {
   if (error.empty() && !(cooking && !state_.session.shown())) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float pad = 0.6f * em();
-  const std::string text =
-      !error.empty() ? error + "   (what you see is from before)" : "Cooking: " + state_.session.stage();
+  const std::string text = !error.empty() ? state_.brief(error) + "   (what you see is from before)"
+                                          : "Cooking: " + state_.session.stage();
   const float wrap = width - 4.0f * pad - 2.0f * em();
   const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(em(), 1e9f, wrap, text.c_str());
   const ImVec2 at = {low.x + 2.0f * pad, low.y + 2.6f * em()};
@@ -744,9 +744,9 @@ void Editor::drawStatus() {
   tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
   if (!session.messages().empty()) {
     const Message& last = session.messages().back();
-    const std::string text = last.text.size() > 70 ? last.text.substr(0, 67) + "..." : last.text;
+    const std::string text = state_.brief(last.text);
     const float width = ImGui::CalcTextSize(text.c_str()).x + em();
-    ImGui::SameLine(std::max(ImGui::GetCursorPosX() + em(), ImGui::GetWindowWidth() - width));
+    ImGui::SameLine(std::max(ImGui::GetItemRectMax().x + em(), ImGui::GetWindowWidth() - width));
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(last.kind == Message::Kind::kError     ? Colors::kRed
                                                       : last.kind == Message::Kind::kWarning ? Colors::kAccent
                                                                                              : Colors::kDim),

@@ -15,6 +15,14 @@ uint32_t State::assetLayer(const Shown& shown) const {
   return pipeline::kNoIndex;
 }
 
+std::string State::brief(std::string text) const {
+  const std::string folder = session.source().parent_path().string() + "/";
+  for (size_t at = text.find(folder); folder.size() > 1 && at != std::string::npos;
+       at = text.find(folder, at))
+    text.erase(at, folder.size());
+  return text;
+}
+
 void State::edit(const std::string& what, const std::function<void(pipeline::LayerRecipe&)>& change) {
   const uint32_t selected = documentLayer();
   if (!session.editable() || selected == pipeline::kNoIndex) return;

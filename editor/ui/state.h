@@ -67,6 +67,8 @@ struct State {
   // Of the selected layer: in the document, or kNoIndex; in the shown asset, or kNoIndex.
   uint32_t documentLayer() const;
   uint32_t assetLayer(const Shown& shown) const;
+  // A message with the files beside what is open named without their folder.
+  std::string brief(std::string text) const;
   // Edits the selected layer of the document.
   void edit(const std::string& what, const std::function<void(pipeline::LayerRecipe&)>& change);
 };
