@@ -79,7 +79,6 @@ bool applyTheme(float scale) {
   style.IndentSpacing = 14;
   style.ScrollbarSize = 11;
   style.GrabMinSize = 9;
-  style.WindowMinSize = {1, 1};
   style.WindowRounding = 0;
   style.ChildRounding = 4;
   style.FrameRounding = 3;
@@ -91,6 +90,7 @@ bool applyTheme(float scale) {
   style.PopupBorderSize = 1;
   style.FrameBorderSize = 0;
   style.ScaleAllSizes(scale);
+  style.WindowMinSize = {1, 1};  // imgui takes no less
   ImVec4* c = style.Colors;
   ImGui::StyleColorsDark(&style);
   const ImVec4 accent = ImGui::ColorConvertU32ToFloat4(Colors::kAccent);

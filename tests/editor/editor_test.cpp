@@ -246,6 +246,16 @@ expect no error
   EXPECT_EQ(mask.channels, 1u);
 }
 
+TEST_F(EditorTest, EveryScaleOfTheScreenWorks) {
+  for (const char* scale : {"0.5", "2.5"}) {
+    const Outcome outcome =
+        run({folder() / "sheet.glb", "--script", write("script.txt", "wait\nclick tool.view.split\n"),
+             "--size", "900x700", "--scale", scale, "--backend", "cpu"},
+            FURROW_EDITOR);
+    EXPECT_EQ(outcome.status, 0) << scale << ": " << outcome.err;
+  }
+}
+
 TEST_F(EditorTest, EveryTierDrawsTheSame) {
   for (const char* tier : {"cpu", "gpu-raster", "gpu"}) {
     const std::string name = std::string("tier_") + tier;
