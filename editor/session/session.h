@@ -3,8 +3,6 @@
 // One editing session without a screen: what is open, what is cooked from it, what moves it, and what went
 // wrong. update() is called once a frame; nothing here waits.
 
-#include <functional>
-
 #include "editor/document/document.h"
 #include "editor/session/cook_worker.h"
 #include "editor/session/file_watch.h"

@@ -13,8 +13,6 @@ class FileDialog {
   void open(const std::string& title, const std::filesystem::path& start, std::vector<std::string> kinds,
             bool saving, std::function<void(const std::filesystem::path&)> chosen);
   void draw();
-  bool isOpen() const { return open_; }
-  const std::filesystem::path& folder() const { return folder_; }
 
  private:
   void list();
@@ -44,8 +42,7 @@ void drawKeys(State& state, const std::vector<Action>& actions);
 // What went wrong and what there is to know, latest last.
 void drawProblems(State& state);
 
-// Before anything is open: what to do, the samples, the recent files. `samples`: where they are made; `open`:
-// opens a file.
+// Before anything is open: what to do, the samples (`open_sample` takes the name of one), the recent files.
 void drawFirstStart(State& state, const std::function<void(const std::filesystem::path&)>& open,
                     const std::function<void(const char*)>& open_sample);
 

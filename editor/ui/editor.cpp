@@ -801,8 +801,6 @@ void Editor::openDialog() {
                     if (frame_) share_.saveImage(state_, viewport_, *frame_, file);
                   });
       break;
-    case Dialog::kFrames:
-      break;
   }
 }
 

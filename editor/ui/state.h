@@ -36,7 +36,7 @@ struct Drawn {
   preview::StageTimes times;
 };
 
-enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage, kFrames };
+enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage };
 
 struct State {
   State(Session& of, Settings& kept) : session(of), settings(kept) {}
@@ -57,7 +57,7 @@ struct State {
   bool split = false;
   float divider = 0.5f;  // of the picture's width
 
-  bool keys_shown = false, problems_shown = false, first_start = true;
+  bool keys_shown = false, problems_shown = false;
   Dialog dialog = Dialog::kNone;
   std::function<void(const std::filesystem::path&)> chosen;  // what the dialog is for
   // What waits until the artist has said what becomes of unsaved work.

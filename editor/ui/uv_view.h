@@ -1,6 +1,6 @@
 #pragma once
 
-// The UV layout: charts, the selected layer's weight of nothing but the place, and what is painted there.
+// The UV layout of the shown asset.
 
 #include <imgui.h>
 

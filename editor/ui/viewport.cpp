@@ -347,9 +347,6 @@ void Viewport::drawLabels(const State& state, ImVec2 low, ImVec2 high) const {
 }
 
 void Viewport::drawLegend(const State&, const Look& look, ImVec2 at) const {
-  struct Stop {
-    ImU32 color;
-  };
   const auto view = static_cast<preview::View>(look.view);
   std::vector<ImU32> colors;
   const char *left = "", *right = "";
