@@ -80,6 +80,9 @@ class MapBake {
       set.parts.push_back(p);
       if (material < in_.scene.materials.size()) set.name = in_.scene.materials[material].name;
     }
+    std::erase_if(by_material, [&](const auto& entry) {
+      return std::ranges::none_of(layers_, [&](const auto& layer) { return reaches(layer, entry.second); });
+    });
     if (by_material.empty()) return {};
     peaks_ = pointPeaks(in_.surface, in_.squeeze);
     compress_.resize(layers_.size());

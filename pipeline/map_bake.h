@@ -20,9 +20,9 @@ struct BakedTextureSet {
 // open in a layer that reaches nowhere.
 void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe);
 
-// Sets for all parts with UVs: by material, materials whose charts share one atlas without overlapping
-// together. The layers' maps are resolved. `dependencies` gains the images read. Throws Error (kBadData) for
-// an image that cannot be used.
+// Sets for the materials that have UVs and that a layer shows on; materials whose charts share one atlas
+// without overlapping together. The layers' maps are resolved. `dependencies` gains the images read. Throws
+// Error (kBadData) for an image that cannot be used.
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies);

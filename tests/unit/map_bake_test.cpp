@@ -73,9 +73,12 @@ struct Sheet {
     layers.push_back(std::move(baked));
   }
 
+  std::vector<BakedTextureSet> bakeAll(uint32_t threads = 2) {
+    return bakeMaps({scene, surface, source_vertex, squeeze, masks, {}, "recipe.json"}, recipe, layers,
+                    threads, dependencies);
+  }
   BakedTextureSet bake(uint32_t threads = 2) {
-    auto sets = bakeMaps({scene, surface, source_vertex, squeeze, masks, {}, "recipe.json"}, recipe, layers,
-                         threads, dependencies);
+    auto sets = bakeAll(threads);
     EXPECT_EQ(sets.size(), 1u);
     return std::move(sets.at(0));
   }
@@ -100,6 +103,23 @@ TEST(MapBake, ALayerThatReachesEverythingHasTheWholeOfUvSpace) {
   EXPECT_EQ(set.normals.width, 128u);  // 12 texels a spacing, in steps of 64
   EXPECT_EQ(set.normals.height, 128u);
   EXPECT_EQ(set.masks.width, 512u);
+}
+
+// Drawing charts that nothing shows on was most of the time of a head with hair and a shirt.
+TEST(MapBake, AMaterialThatNoLayerShowsOnHasNoSet) {
+  Sheet sheet;
+  sheet.add([](float x, float) { return x < 0.5f; }, 0.1);
+  const uint32_t half = sheet.surface.parts[0].triangle_end / 2;  // the lower half of the sheet
+  SurfacePart lower = sheet.surface.parts[0];
+  sheet.surface.parts[0].triangle_end = lower.triangle_begin = half;
+  lower.source_part = 1;
+  sheet.surface.parts.push_back(lower);
+  sheet.scene.parts.resize(2);
+  sheet.scene.parts[0].material = 0;
+  sheet.scene.parts[1].material = 1;
+  EXPECT_EQ(sheet.bakeAll().size(), 2u);
+  for (uint32_t t = half; t < lower.triangle_end; ++t) sheet.layers[0].covered[t] = false;
+  EXPECT_EQ(sheet.bake().parts, std::vector<uint32_t>{0});
 }
 
 // A patch on the border of the unit square: its map is smaller than the whole, goes over the border, has
