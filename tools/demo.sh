@@ -25,7 +25,7 @@ picture() {
 }
 
 step "make the content" "$bin/furrow_content" "$content"
-for model in face jacket panel; do
+for model in face jacket sleeve panel; do
   step "cook $model" "$bin/furrow" cook "$content/$model.glb" --recipe "$content/$model.json" -o "$content/$model.furrow" --quiet
 done
 
@@ -59,6 +59,11 @@ model=jacket
 camera=(--yaw 24 --zoom 1.55 --target 0 -0.1 0)
 pose=(--clip lean --time 1)
 five jacket "jacket" waist
+
+model=sleeve
+camera=(--yaw -25 --pitch 12)
+pose=(--clip bend --time 0.62)
+five sleeve "sleeve" elbow
 
 model=panel
 camera=(--yaw 14 --zoom 0.9)
