@@ -10,6 +10,7 @@
 #include "pipeline/maps/image.h"
 #include "tests/cli/tool.h"
 #include "tests/editor/editor_models.h"
+#include "tests/image/picture_difference.h"
 
 namespace furrow::test {
 namespace {
@@ -20,32 +21,9 @@ using pipeline::Image;
 const fs::path kSource = FURROW_SOURCE_DIR;
 const bool kUpdate = std::getenv("FURROW_UPDATE") != nullptr;
 
-// In steps of 1/255: over the picture, and in the worst of its blocks of 16 x 16 pixels. Drivers differ in
-// single pixels at edges, fonts in nothing as long as it is the same one.
+// Fonts differ in nothing as long as it is the same one.
+constexpr uint32_t kBlock = 16;
 constexpr double kMeanTolerance = 0.6, kBlockTolerance = 12.0;
-
-struct Difference {
-  double mean = 0.0, worst_block = 0.0;
-};
-
-Difference difference(const Image& a, const Image& b) {
-  constexpr uint32_t kBlock = 16;
-  EXPECT_EQ(a.width, b.width);
-  EXPECT_EQ(a.height, b.height);
-  Difference result;
-  if (a.width != b.width || a.height != b.height) return {1e9, 1e9};
-  for (uint32_t y = 0; y + kBlock <= a.height; y += kBlock)
-    for (uint32_t x = 0; x + kBlock <= a.width; x += kBlock) {
-      double sum = 0.0;
-      for (uint32_t i = 0; i < kBlock * kBlock; ++i)
-        for (int c = 0; c < 3; ++c)
-          sum += std::abs(a.at(x + i % kBlock, y + i / kBlock)[c] - b.at(x + i % kBlock, y + i / kBlock)[c]);
-      const double block = sum * 255.0 / (3 * kBlock * kBlock);
-      result.worst_block = std::max(result.worst_block, block);
-      result.mean += block * kBlock * kBlock / (a.width * a.height);
-    }
-  return result;
-}
 
 class EditorTest : public ToolTest {
  protected:
@@ -87,7 +65,7 @@ class EditorTest : public ToolTest {
       fs::create_directories(stored.parent_path());
       pipeline::writeImage(stored, drawn);
     }
-    const Difference now = difference(drawn, pipeline::readImage(stored));
+    const Difference now = difference(drawn, pipeline::readImage(stored), kBlock);
     if (now.mean <= kMeanTolerance && now.worst_block <= kBlockTolerance) return;
     const fs::path kept = fs::path(FURROW_PICTURES) / (name + ".png");
     fs::create_directories(kept.parent_path());
@@ -111,7 +89,7 @@ TEST_F(EditorTest, ShowsASqueezedSheetWithItsWrinklesAndWeights) {
   expectStored("squeezed");
   expectStored("split");
   // The pictures can tell whether there are wrinkles.
-  EXPECT_GT(difference(picture("squeezed"), picture("split")).worst_block, 3.0 * kBlockTolerance);
+  EXPECT_GT(difference(picture("squeezed"), picture("split"), kBlock).worst_block, 3.0 * kBlockTolerance);
 }
 
 TEST_F(EditorTest, ARealWindowShowsTheSame) {
@@ -173,7 +151,7 @@ expect no error
   EXPECT_NEAR(outside[0], outside[2], 0.03f);  // grey: as it is
   const Image creased = render("creased", {"--shading", "interpolated"}),
               plain = render("plain", {"--shading", "none"});
-  EXPECT_GT(difference(creased, plain).worst_block, 1.0);
+  EXPECT_GT(difference(creased, plain, kBlock).worst_block, 1.0);
 }
 
 TEST_F(EditorTest, UndoSavingAndLeavingAskBeforeWorkIsLost) {
@@ -262,7 +240,7 @@ TEST_F(EditorTest, EveryTierDrawsTheSame) {
     const Outcome outcome =
         play(sheet() + "drag morph.squeeze 0.05 0.5 0.9 0.5\nkey 2\npicture " + name + "\n", tier);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_LT(difference(view(name), view("tier_cpu")).worst_block, 2.0);
+    EXPECT_LT(difference(view(name), view("tier_cpu"), kBlock).worst_block, 2.0);
   }
 }
 
@@ -294,7 +272,7 @@ expect message "4 frames written"
   const Image first = pipeline::readImage(frames / "frame_0000.png"),
               quarter = pipeline::readImage(frames / "frame_0001.png");
   EXPECT_EQ(first.width, 64u);
-  EXPECT_GT(difference(first, quarter).mean, 2.0);
+  EXPECT_GT(difference(first, quarter, kBlock).mean, 2.0);
 }
 
 TEST_F(EditorTest, RefusesWhatItCannotDoInOneLine) {

@@ -9,6 +9,7 @@
 #include "pipeline/error.h"
 #include "pipeline/maps/image.h"
 #include "tests/cli/tool.h"
+#include "tests/image/picture_difference.h"
 
 namespace furrow::test {
 namespace {
@@ -17,33 +18,11 @@ using pipeline::Image;
 
 const std::filesystem::path kSource = FURROW_SOURCE_DIR;
 
-// In steps of 1/255 of the colours: over the picture, and in the worst of its blocks of 8 x 8 pixels. Drivers
-// round differently and differ in single pixels at edges. Without wrinkles the pictures are 0.6 and 17 to 25
-// apart, with creases 0.7 as deep 0.2 and 5 to 7.
-struct Difference {
-  double mean = 0.0, worst_block = 0.0;
-};
+// Without wrinkles the pictures are 0.6 and 17 to 25 apart, with creases 0.7 as deep 0.2 and 5 to 7.
+constexpr uint32_t kBlock = 8;
 constexpr double kMeanTolerance = 0.4, kBlockTolerance = 5.0;
 // Of the software rasteriser: of the whole picture, and of the creases' depth.
 constexpr double kSoftwareMeanTolerance = 4.0, kSoftwareCreaseTolerance = 0.2;
-
-Difference difference(const Image& a, const Image& b) {
-  constexpr uint32_t kBlock = 8;
-  EXPECT_EQ(a.width, b.width);
-  EXPECT_EQ(a.height, b.height);
-  Difference result;
-  for (uint32_t y = 0; y < a.height; y += kBlock)
-    for (uint32_t x = 0; x < a.width; x += kBlock) {
-      double sum = 0.0;
-      for (uint32_t i = 0; i < kBlock * kBlock; ++i)
-        for (int c = 0; c < 3; ++c)
-          sum += std::abs(a.at(x + i % kBlock, y + i / kBlock)[c] - b.at(x + i % kBlock, y + i / kBlock)[c]);
-      const double block = sum * 255.0 / (3 * kBlock * kBlock);
-      result.worst_block = std::max(result.worst_block, block);
-      result.mean += block * kBlock * kBlock / (a.width * a.height);
-    }
-  return result;
-}
 
 struct Window {
   uint32_t x0, y0, x1, y1;
@@ -101,7 +80,7 @@ class DemoPicture : public ToolTest {
   void expectNearlyTheSameInSoftware(const std::vector<std::string>& pose) {
     const Image software = draw("alpha", pose, "cpu"), opengl = draw("alpha", pose);
     const Image plain = draw("none", pose, "cpu"), opengl_plain = draw("none", pose);
-    const Difference whole = difference(software, opengl);
+    const Difference whole = difference(software, opengl, kBlock);
     EXPECT_LT(whole.mean, kSoftwareMeanTolerance);
     double creases = 0.0, apart = 0.0;
     for (size_t i = 0; i < plain.pixels.size(); ++i) {
@@ -119,7 +98,8 @@ class DemoPicture : public ToolTest {
     const std::filesystem::path stored = kSource / "tests/image/demo" / name;
     if (std::getenv("FURROW_UPDATE") != nullptr) pipeline::writeImage(stored, picture);
     const Image expected = pipeline::readImage(stored);
-    const Difference now = difference(picture, expected), without = difference(plain, expected);
+    const Difference now = difference(picture, expected, kBlock),
+                     without = difference(plain, expected, kBlock);
     if (now.mean > kMeanTolerance || now.worst_block > kBlockTolerance) {
       const std::filesystem::path drawn = std::filesystem::path(FURROW_PICTURES) / name;
       std::filesystem::create_directories(drawn.parent_path());
