@@ -13,8 +13,8 @@
 
 #include "furrow/asset.h"
 #include "pipeline/error.h"
-#include "pipeline/import/formats.h"
 #include "pipeline/import/import.h"
+#include "pipeline/input_file.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/pack/output_file.h"
 #include "pipeline/recipe.h"

@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <set>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/json_shape.h"
 
 namespace furrow::pipeline {
@@ -88,14 +87,6 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string readText(const std::filesystem::path& file, const std::string& kind) {
-  std::ifstream stream(file, std::ios::binary);
-  std::error_code ignored;
-  if (!stream || std::filesystem::is_directory(file, ignored))
-    throw Error(Exit::kBadData, file.string(), "cannot be opened", "give a " + kind + " that can be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 // Finds what json::parse() leaves out: where an error is, and keys that stand twice.
 class SyntaxCheck : public nlohmann::json_sax<json> {
  public:
@@ -163,10 +154,14 @@ class SyntaxCheck : public nlohmann::json_sax<json> {
 
 class Checker {
  public:
-  Checker(const std::filesystem::path& file, const std::string& kind) : file_(file), kind_(kind) {}
+  Checker(const std::filesystem::path& file, const std::string& kind, const Shape& whole)
+      : file_(file), kind_(kind), whole_(whole) {}
 
   std::vector<std::filesystem::path> files;  // that were met
 
+  void check(const json& value) { check(value, whole_, ""); }
+
+ private:
   void check(const json& value, const Shape& shape, const std::string& path) {
     if (!hasType(value, shape)) failValue(value, shape, path);
     switch (shape.kind) {
@@ -214,7 +209,6 @@ class Checker {
     }
   }
 
- private:
   [[noreturn]] void fail(const std::string& path, const std::string& wrong, const std::string& remedy) const {
     throw Error(Exit::kBadData, file_.string(), path.empty() ? wrong : path + ": " + wrong, remedy);
   }
@@ -275,16 +269,39 @@ class Checker {
   }
 
   [[noreturn]] void failUnknown(const std::string& name, const Shape& shape, const std::string& path) {
-    if (shape.keys.empty()) fail(below(path, name), "no such key", "give an empty object");
-    auto nearest =
-        std::min_element(shape.keys.begin(), shape.keys.end(), [&](const JsonKey& a, const JsonKey& b) {
-          return editDistance(name, a.name) < editDistance(name, b.name);
-        });
-    fail(below(path, name), "no such key", "did you mean " + inQuotes(nearest->name) + "?");
+    std::vector<KnownKey> known;
+    for (const JsonKey& key : shape.keys) known.push_back({key.name, ""});
+    addKeys(whole_, "", known);
+    const auto distance = [&](const KnownKey& key) { return editDistance(name, key.name); };
+    const KnownKey nearest = *std::ranges::min_element(known, {}, distance);
+    if (nearest.place.empty())
+      fail(below(path, name), "no such key", "did you mean " + inQuotes(nearest.name) + "?");
+    std::vector<std::string> places;
+    for (const KnownKey& key : known)
+      if (key.name == nearest.name && !contains(places, key.place)) places.push_back(key.place);
+    const std::string belongs = " belongs to " + joined(places, " or ");
+    fail(below(path, name), "no such key",
+         nearest.name == name ? "it" + belongs
+                              : "did you mean " + inQuotes(nearest.name) + ", which" + belongs + '?');
+  }
+
+  struct KnownKey {
+    std::string name, place;
+  };
+
+  // All keys of a shape at `path`, and where they may stand.
+  static void addKeys(const Shape& shape, const std::string& path, std::vector<KnownKey>& known) {
+    for (const Shape& inner : shape.inner)
+      addKeys(inner, shape.kind == Kind::kList ? path + "[]" : path, known);
+    for (const JsonKey& key : shape.keys) {
+      known.push_back({key.name, path.empty() ? "the top level" : path});
+      addKeys(key.shape, below(path, key.name), known);
+    }
   }
 
   const std::filesystem::path& file_;
   const std::string& kind_;
+  const Shape& whole_;
 };
 
 }  // namespace
@@ -334,7 +351,8 @@ std::filesystem::path pathIn(const std::filesystem::path& file, const std::strin
 }
 
 JsonFile readJson(const std::filesystem::path& file, const JsonShape& shape, const char* kind) {
-  return parseJson(readText(file, kind), file, shape, kind);
+  const std::vector<uint8_t> bytes = readBytes(file);
+  return parseJson({bytes.begin(), bytes.end()}, file, shape, kind);
 }
 
 JsonFile parseJson(const std::string& text, const std::filesystem::path& file, const JsonShape& shape,
@@ -343,8 +361,8 @@ JsonFile parseJson(const std::string& text, const std::filesystem::path& file, c
   SyntaxCheck syntax(text, file, word);
   json::sax_parse(text, &syntax, nlohmann::detail::input_format_t::json, true, true);
   JsonFile read{json::parse(text, nullptr, true, true), {}};
-  Checker checker(file, word);
-  checker.check(read.value, shape, "");
+  Checker checker(file, word, shape);
+  checker.check(read.value);
   read.files = std::move(checker.files);
   return read;
 }

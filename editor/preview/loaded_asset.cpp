@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 #include "pipeline/pack/rig_section.h"
 
 namespace furrow::preview {
@@ -15,31 +16,21 @@ using pipeline::Exit;
 
 constexpr const char* kRemedy = "cook it again from its source with 'furrow cook'";
 
-std::vector<std::byte> readFile(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error))
-    throw Error(Exit::kBadData, file.string(), "there is no such file", "check the path");
-  if (std::filesystem::is_directory(file, error))
-    throw Error(Exit::kBadData, file.string(), "it is a folder", "name a file");
-  std::ifstream in(file, std::ios::binary);
-  std::vector<std::byte> bytes(std::filesystem::file_size(file, error));
-  if (!in || error ||
-      !in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
-    throw Error(Exit::kEnvironment, file.string(), "it cannot be read", "check its permissions");
-  return bytes;
-}
-
 }  // namespace
 
 bool looksLikeAsset(const std::filesystem::path& file) {
   char magic[6] = {};
+  std::error_code ignored;
+  if (file.extension() == ".furrow") return true;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
   std::ifstream in(file, std::ios::binary);
   in.read(magic, sizeof magic);
-  return file.extension() == ".furrow" || (in && std::memcmp(magic, "furrow", sizeof magic) == 0);
+  return in && std::memcmp(magic, "furrow", sizeof magic) == 0;
 }
 
 LoadedAsset loadAsset(const std::filesystem::path& file) {
-  return loadAsset(file, readFile(file));
+  const std::vector<uint8_t> bytes = pipeline::readBytes(file);
+  return loadAsset(file, std::as_bytes(std::span(bytes)));
 }
 
 LoadedAsset loadAsset(const std::filesystem::path& file, std::span<const std::byte> bytes) {

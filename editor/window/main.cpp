@@ -10,13 +10,12 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 
 #include "editor/preview/headless_context.h"
 #include "editor/ui/headless_screen.h"
 #include "editor/ui/widgets.h"
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 
 namespace furrow::editor {
 namespace {
@@ -36,9 +35,8 @@ struct Options {
 };
 
 std::string readText(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(Exit::kBadData, file, "it cannot be opened", "check the path");
-  return {std::istreambuf_iterator<char>(in), {}};
+  const std::vector<uint8_t> bytes = pipeline::readBytes(file);
+  return {bytes.begin(), bytes.end()};
 }
 
 void parseSize(const std::string& text, int& width, int& height) {

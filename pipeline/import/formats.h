@@ -16,10 +16,6 @@ namespace furrow::pipeline {
 
 enum class MeshFormat { kObj, kPly, kStlText, kStlBinary, kOff };
 
-// Bytes of a regular file. Throws Error: kBadData when there is none at that path, kEnvironment when it
-// cannot be read.
-std::vector<uint8_t> readBytes(const std::filesystem::path& file);
-
 SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> bytes);
 // The files of its buffers.
 std::vector<std::filesystem::path> gltfBuffers(const std::filesystem::path& file,

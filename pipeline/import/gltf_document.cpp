@@ -10,6 +10,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/import/formats.h"
+#include "pipeline/input_file.h"
 
 namespace furrow::pipeline {
 namespace {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <optional>
 #include <string_view>
 
 #include "pipeline/error.h"
 #include "pipeline/import/formats.h"
+#include "pipeline/input_file.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -104,25 +104,6 @@ SourceScene sceneOf(const std::filesystem::path& file, std::vector<uint8_t> byte
 }
 
 }  // namespace
-
-std::vector<uint8_t> readBytes(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) throw Error(Exit::kBadData, name, "no such file", "check the path");
-  if (std::filesystem::is_directory(status))
-    throw Error(Exit::kBadData, name, "is a directory", "name a file in it");
-  if (!std::filesystem::is_regular_file(status))
-    throw Error(Exit::kBadData, name, "is not a regular file", "copy it into one");
-  const uintmax_t size = std::filesystem::file_size(file, error);
-  std::ifstream in(file, std::ios::binary);
-  if (error || !in) throw Error(Exit::kEnvironment, name, "cannot be opened", "check its permissions");
-  std::vector<uint8_t> bytes(static_cast<size_t>(size));
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<uintmax_t>(in.gcount()) != size)
-    throw Error(Exit::kEnvironment, name, "cannot be read to its end", "check the disk");
-  return bytes;
-}
 
 SourceScene import(const std::filesystem::path& file) {
   return guarded(file, [&] { return sceneOf(file, readModel(file)); });

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
 #include "pipeline/error.h"
+#include "pipeline/input_file.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -30,11 +29,8 @@ std::string inQuotes(std::string_view text) {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file) {
-    std::ifstream in(file, std::ios::binary);
-    std::error_code ignored;
-    if (!in || std::filesystem::is_directory(file, ignored))
-      throw Error(Exit::kBadData, file.string(), "it cannot be opened", "give a take that can be read");
-    text_.assign(std::istreambuf_iterator<char>(in), {});
+    const std::vector<uint8_t> bytes = readBytes(file);
+    text_.assign(bytes.begin(), bytes.end());
     if (text_.starts_with("\xef\xbb\xbf")) next_ = 3;
   }
 

@@ -1,6 +1,8 @@
 // What the tool does with files, recipes and options that will not do: one line, the documented status,
 // nothing left behind.
 
+#include <sys/stat.h>
+
 #include <cmath>
 #include <limits>
 
@@ -84,6 +86,39 @@ TEST_F(BadInput, MissingAsset) {
 TEST_F(BadInput, Folder) {
   std::filesystem::create_directory(folder() / "folder.glb");
   expectBadSource(folder() / "folder.glb");
+}
+// A pipe that nobody writes to never ends: every file that can be named must be a regular one.
+TEST_F(BadInput, Pipe) {
+  const auto pipe = [&](const char* name) {
+    const std::filesystem::path file = folder() / name;
+    EXPECT_EQ(mkfifo(file.c_str(), 0600), 0);
+    return file;
+  };
+  const std::string source = write("sheet.glb", sheet()), out = output() / "out.furrow";
+  GltfBuilder builder;
+  builder.add(kSquare, "VEC3", 3);
+  const std::vector<std::pair<std::string, std::vector<std::string>>> commands = {
+      {"mesh.glb", {"cook", pipe("mesh.glb"), "-o", out}},
+      {"recipe.json", {"cook", source, "-o", out, "--recipe", pipe("recipe.json")}},
+      {"mask.png",
+       {"cook", source, "-o", out, "--recipe",
+        write("named.json",
+              R"({"layers": [{"name": "a", "mask": {"texture": ")" + pipe("mask.png").string() + "\"}}]}")}},
+      {"sheet.bin",
+       {"cook",
+        write("sheet.gltf",
+              builder.json(scene(R"("attributes":{"POSITION":0})"), pipe("sheet.bin").filename())),
+        "-o", out}},
+      {"assets.json", {"cook", "--manifest", pipe("assets.json"), "--no-cache"}},
+      {"asset.furrow", {"check", pipe("asset.furrow")}},
+      {"take.csv", {"eval", source, "--take", pipe("take.csv"), "-o", output() / "out.csv"}},
+      {"mesh.bin", {"check", pipe("mesh.bin")}}};
+  forEachInParallel(commands.size(), [&](size_t i) {
+    std::vector<std::string> patient = {"20", FURROW_TOOL};
+    patient.insert(patient.end(), commands[i].second.begin(), commands[i].second.end());
+    expectOneLine(run(patient, "/usr/bin/timeout"), 1, commands[i].first);
+  });
+  expectNothingLeft();
 }
 TEST_F(BadInput, EmptyFile) {
   expectBadSource(write("empty.glb", ""));

@@ -237,7 +237,7 @@ TEST_F(Manifest, ABadManifestSaysWhatIsWrong) {
   write("art/assets.json", R"({"assets": [)");
   expectRefused(cook(), 1, "assets.json: line 1, column 13: ");
   manifest = folder() / "none.json";
-  expectRefused(cook(), 1, "none.json: cannot be opened: give a manifest");
+  expectRefused(cook(), 1, "none.json: no such file: check the path");
   expectRefused(cook({"-o", one}), 2, "--manifest");
   expectRefused(run({"cook", folder() / "art/one.obj", "-o", one, "-j", "2"}), 2, "--manifest");
   expectRefused(run({"cook", folder() / "art/one.obj"}), 2, "--output");

@@ -320,7 +320,15 @@ TEST_F(RecipeTest, UnknownKeysNameTheNearest) {
   EXPECT_EQ(layerError(R"("mask": {"textur": "map.png"})"),
             "layers[0].mask.textur: no such key: did you mean \"texture\"?");
   EXPECT_EQ(layerError(R"("direction": {"animation": {"clip": 1}})"),
-            "layers[0].direction.animation.clip: no such key: give an empty object");
+            "layers[0].direction.animation.clip: no such key: it belongs to rest");
+  EXPECT_EQ(layerError(R"("mapSize": 512)"), "layers[0].mapSize: no such key: it belongs to the top level");
+  EXPECT_EQ(layerError(R"("Mapsize": 512)"),
+            "layers[0].Mapsize: no such key: did you mean \"mapSize\", which belongs to the top level?");
+  EXPECT_EQ(layerError(R"("beta": 3)"),
+            "layers[0].beta: no such key: it belongs to layers[].response or layers[].response.stretch");
+  EXPECT_EQ(
+      errorOf(R"({"spacing": 1, "layers": [{"name": "a"}]})"),
+      "spacing: no such key: it belongs to layers[].compress.synthesize or layers[].stretch.synthesize");
 }
 
 TEST_F(RecipeTest, WrongTypesAreNamed) {
@@ -444,12 +452,15 @@ TEST_F(RecipeTest, ImagesMustExist) {
 }
 
 TEST_F(RecipeTest, ARecipeThatCannotBeOpenedIsNamed) {
-  for (const auto& path : {folder_ / "no.json", folder_}) try {
+  const std::filesystem::path missing = folder_ / "no.json";
+  for (const auto& [path, fault] : {std::pair{missing, ": no such file: check the path"},
+                                    std::pair{folder_, ": is a directory: name a file in it"}})
+    try {
       readRecipe(path);
       ADD_FAILURE() << "no error";
     } catch (const Error& error) {
       EXPECT_EQ(error.exit(), Exit::kBadData);
-      EXPECT_EQ(error.what(), path.string() + ": cannot be opened: give a recipe that can be read");
+      EXPECT_EQ(error.what(), path.string() + fault);
     }
 }
 
