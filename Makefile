@@ -1,7 +1,7 @@
 # make deps    install the Debian packages that the build needs
 # make build   release build; programs in build/bin
 # make test    build, then run every test; the last line is "N passed, N failed, N skipped"
-# make fuzz    10 seconds of libFuzzer a target, where clang is installed with it
+# make fuzz    10 seconds of libFuzzer a target, where clang is installed with it; FUZZ_SECONDS=300 FUZZ_SEED=0 for a longer run with other choices
 # make demo    make the demo characters, cook them and render pictures into out
 # make figures make the figures of docs/figures.md anew
 # make bench   run the benchmarks and write their tables into docs/performance.md
@@ -28,7 +28,7 @@ test: deps build
 	tools/test.sh build $(JOBS)
 
 fuzz: deps
-	tools/fuzz.sh $(JOBS)
+	tools/fuzz.sh $(JOBS) $(FUZZ_SECONDS) $(FUZZ_SEED)
 
 demo: deps programs
 	tools/demo.sh build/bin build/content out

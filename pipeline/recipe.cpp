@@ -70,15 +70,13 @@ class Reader {
       return DirectionGuides{guides.get<std::vector<std::vector<std::array<double, 3>>>>(), {}};
     }
     if (j.contains("attribute")) return DirectionAttribute{j["attribute"].get<std::string>()};
-    return DirectionAxis{unit(j["axis"], at + ".axis", "give the direction across the creases")};
+    return DirectionAxis{towards(j["axis"], at + ".axis", "give the direction across the creases")};
   }
 
-  std::array<double, 3> unit(const json& j, const std::string& at, const char* remedy) const {
-    auto vector = j.get<std::array<double, 3>>();
-    double length = std::hypot(vector[0], vector[1], vector[2]);
-    if (length < 1e-12)
+  std::array<double, 3> towards(const json& j, const std::string& at, const char* remedy) const {
+    const auto vector = j.get<std::array<double, 3>>();
+    if (std::hypot(vector[0], vector[1], vector[2]) < 1e-12)
       throw Error(Exit::kBadData, file_.string(), at + ": is the zero vector, which points nowhere", remedy);
-    for (double& component : vector) component /= length;
     return vector;
   }
 
@@ -149,7 +147,7 @@ class Reader {
                   "give one of them");
     if (map.contains("shading")) finish.shading = path(map["shading"]);
     if (map.contains("light"))
-      finish.light = unit(map["light"], at + ".light", "give the direction towards the light");
+      finish.light = towards(map["light"], at + ".light", "give the direction towards the light");
     finish.limit = map.value("limit", 1.0);
     return finish;
   }

@@ -34,7 +34,7 @@ using Rest = std::variant<RestBind, RestClip, RestMorphs, RestFile>;
 // Source of d, which lies ACROSS the creases.
 struct DirectionAnimation {};
 struct DirectionAxis {
-  std::array<double, 3> axis{};  // root space, unit
+  std::array<double, 3> axis{};  // root space, any length but 0
 };
 struct DirectionAttribute {
   std::string name;  // a 3-component vertex attribute, in the mesh's space
@@ -91,7 +91,7 @@ using Map = std::variant<MapNone, MapNormal, MapHeight, MapSynthesized>;
 struct MapFinish {
   std::optional<std::filesystem::path> shading;  // authored alpha-shading map
   std::optional<std::array<double, 3>>
-      light;           // or W as lit from there: root space, unit; else from the relief
+      light;           // or W as lit from there: root space, any length but 0; else from the relief
   double limit = 1.0;  // largest x^2 + y^2 of its normals, (0, 1]
 };
 

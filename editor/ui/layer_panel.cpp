@@ -208,18 +208,15 @@ void drawDirection(State& state, const LayerRecipe& layer) {
     }
   }
   if (const auto* axis = std::get_if<pipeline::DirectionAxis>(&layer.direction)) {
-    float v[3] = {static_cast<float>(axis->axis[0]), static_cast<float>(axis->axis[1]),
-                  static_cast<float>(axis->axis[2])};
+    std::array<double, 3> v = axis->axis;
     row("Axis x y z");
-    const bool used = ImGui::InputFloat3("##layer.axis", v, "%.2f");
+    const bool used =
+        ImGui::InputScalarN("##layer.axis", ImGuiDataType_Double, v.data(), 3, nullptr, nullptr, "%.2f");
     mark("layer.axis");
     tooltip("Direction across the creases in the scene root's space; any length but 0");
-    const float length = std::hypot(v[0], v[1], v[2]);
-    if (used && length > 1e-6f)
-      state.edit("Axis of " + layer.name, [&](LayerRecipe& edited) {
-        edited.direction =
-            pipeline::DirectionAxis{{double{v[0] / length}, double{v[1] / length}, double{v[2] / length}}};
-      });
+    if (used && std::hypot(v[0], v[1], v[2]) > 1e-6)
+      state.edit("Axis of " + layer.name,
+                 [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionAxis{v}; });
   } else if (const auto* attribute = std::get_if<pipeline::DirectionAttribute>(&layer.direction)) {
     std::string name = attribute->name;
     if (field("layer.direction_attribute", "Attribute", name,

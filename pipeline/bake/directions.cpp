@@ -22,6 +22,7 @@ constexpr double kMostSamples = 4096;  // of a segment
 }  // namespace
 
 DirectionField directionsFromAxis(const Surface& surface, glm::dvec3 axis) {
+  axis = glm::normalize(axis);
   DirectionField field;
   for (const glm::dvec3 n : surface.point_normals) {
     const glm::dvec3 d = axis - glm::dot(axis, n) * n;

@@ -10,7 +10,7 @@
 
 namespace furrow::pipeline {
 
-// `axis`, a unit vector, projected into every point's tangent plane; confidence is the length of what is
+// `axis`, of any length but 0, projected into every point's tangent plane; confidence is the length of what is
 // left.
 DirectionField directionsFromAxis(const Surface& surface, glm::dvec3 axis);
 

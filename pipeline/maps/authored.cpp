@@ -199,8 +199,7 @@ void limitNormals(Image& normal, float limit) {
 
 Image litShading(const Image& normal, const Surface& surface, const TexelMap& texels,
                  const std::array<double, 3>& light) {
-  const glm::vec3 towards(static_cast<float>(light[0]), static_cast<float>(light[1]),
-                          static_cast<float>(light[2]));
+  const glm::vec3 towards = glm::normalize(glm::dvec3(light[0], light[1], light[2]));
   Image shading{normal.width, normal.height, 1, std::vector<float>(texels.triangle.size(), 0.0f)};
   for (size_t i = 0; i < texels.triangle.size(); ++i) {
     const uint32_t t = texels.triangle[i];

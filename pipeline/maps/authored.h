@@ -39,8 +39,9 @@ WrinkleMaps mapsFromHeights(const Image& heights, const Surface& surface, const 
 // Cuts normals off at x^2 + y^2 = limit, in (0, 1).
 void limitNormals(Image& normal, float limit);
 
-// W as the wrinkles look under a light from a direction in root space (Larsson's alpha maps): how much less
-// light they get than the surface without them, the light standing at least 30 degrees over it.
+// W as the wrinkles look under a light from a direction in root space, of any length but 0 (Larsson's alpha
+// maps): how much less light they get than the surface without them, the light standing at least 30 degrees
+// over it.
 Image litShading(const Image& normal, const Surface& surface, const TexelMap& texels,
                  const std::array<double, 3>& light);
 

@@ -103,7 +103,7 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(a.name, "forehead");
   EXPECT_THAT(a.meshes, ElementsAre("Head", "Brows"));
   EXPECT_THAT(a.materials, ElementsAre("skin"));
-  EXPECT_THAT(std::get<DirectionAxis>(a.direction).axis, ElementsAre(0.0, 0.6, 0.8));
+  EXPECT_THAT(std::get<DirectionAxis>(a.direction).axis, ElementsAre(0.0, 3.0, 4.0));
   EXPECT_EQ(a.measure, Measure::kPrincipal);
   EXPECT_EQ(a.response.curve, Curve::kLarsson);
   EXPECT_EQ(a.response.lambda, 0.5f);
@@ -141,7 +141,7 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(std::get<MapHeight>(b.compress).texture, folder_ / "map.png");
   EXPECT_EQ(std::get<MapHeight>(b.compress).depth, 0.25);
   ASSERT_TRUE(b.compress_finish.light);
-  EXPECT_THAT(*b.compress_finish.light, ElementsAre(0.0, 0.6, 0.8));
+  EXPECT_THAT(*b.compress_finish.light, ElementsAre(0.0, 6.0, 8.0));
   EXPECT_EQ(b.compress_finish.limit, 1.0);
   EXPECT_TRUE(std::holds_alternative<MapNone>(b.stretch));
   EXPECT_TRUE(std::holds_alternative<DirectionAnimation>(recipe.layers[2].direction));
