@@ -8,7 +8,7 @@
 #include "editor/cli/cook_manifest.h"
 #include "editor/cli/open_asset.h"
 #include "editor/cli/outputs.h"
-#include "pipeline/cook_cache.h"
+#include "pipeline/cook/cook_cache.h"
 #include "pipeline/error.h"
 #include "pipeline/pack/output_file.h"
 

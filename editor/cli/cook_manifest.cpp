@@ -18,8 +18,8 @@
 
 #include "editor/cli/open_asset.h"
 #include "editor/cli/outputs.h"
+#include "pipeline/cook/manifest.h"
 #include "pipeline/error.h"
-#include "pipeline/manifest.h"
 #include "pipeline/pack/output_file.h"
 #include "pipeline/parallel.h"
 

@@ -14,7 +14,7 @@
 #include "editor/preview/posed_frame.h"
 #include "editor/preview/renderer.h"
 #include "furrow/jobs.h"
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 #include "pipeline/error.h"
 #include "runtime/src/rest_surface.h"
 

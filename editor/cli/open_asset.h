@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "editor/preview/loaded_asset.h"
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 #include "pipeline/import/sequence.h"
 
 namespace furrow::cli {

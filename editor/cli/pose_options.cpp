@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "pipeline/arkit.h"
 #include "pipeline/error.h"
 #include "pipeline/import/take.h"
+#include "pipeline/recipe/arkit.h"
 #include "pipeline/scene/posing.h"
 #include "pipeline/scene/rest.h"
 

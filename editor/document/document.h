@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pipeline/maps/image.h"
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 namespace furrow::editor {
 

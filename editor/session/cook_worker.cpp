@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
 #include "pipeline/pack/output_file.h"

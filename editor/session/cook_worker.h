@@ -14,7 +14,7 @@
 
 #include "editor/document/document.h"
 #include "editor/preview/loaded_asset.h"
-#include "pipeline/cook_report.h"
+#include "pipeline/cook/cook_report.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::editor {

@@ -11,7 +11,7 @@
 #include "editor/session/posed_surface.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/maps/texel_map.h"
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 namespace furrow::editor {
 

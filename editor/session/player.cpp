@@ -5,7 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
-#include "pipeline/arkit.h"
+#include "pipeline/recipe/arkit.h"
 #include "pipeline/scene/posing.h"
 
 namespace furrow::editor {

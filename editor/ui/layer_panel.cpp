@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "editor/ui/widgets.h"
-#include "pipeline/arkit.h"
+#include "pipeline/recipe/arkit.h"
 
 namespace furrow::editor::ui {
 namespace {

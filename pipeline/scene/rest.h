@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::pipeline {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "pipeline/error.h"
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 // Any text: it is refused with an Error, or makes a recipe that is the same after it was written and read
 // once more.

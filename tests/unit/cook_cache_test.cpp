@@ -1,12 +1,12 @@
 // The key of a cook is that of everything its bytes depend on, and of nothing else.
 
-#include "pipeline/cook_cache.h"
+#include "pipeline/cook/cook_cache.h"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 #include "pipeline/import/import.h"
 #include "tests/unit/gltf_builder.h"
 

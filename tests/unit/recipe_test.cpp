@@ -1,4 +1,4 @@
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <set>
 
 #include "pipeline/error.h"
-#include "pipeline/recipe_schema.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 namespace furrow::pipeline {
 namespace {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 #include "pipeline/import/import.h"
 
 namespace furrow::pipeline {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "furrow/jobs.h"
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 
 namespace furrow::tests {
 

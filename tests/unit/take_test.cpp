@@ -7,8 +7,8 @@
 
 #include "furrow/drivers.h"
 #include "gltf_builder.h"
-#include "pipeline/arkit.h"
 #include "pipeline/error.h"
+#include "pipeline/recipe/arkit.h"
 #include "sheets.h"
 
 namespace furrow::tests {

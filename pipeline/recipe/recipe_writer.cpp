@@ -1,7 +1,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 namespace furrow::pipeline {
 namespace {

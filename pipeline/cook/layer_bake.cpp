@@ -1,4 +1,4 @@
-#include "pipeline/layer_bake.h"
+#include "pipeline/cook/layer_bake.h"
 
 #include <algorithm>
 #include <cmath>

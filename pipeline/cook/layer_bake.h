@@ -9,7 +9,7 @@
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/surface.h"
 #include "pipeline/maps/masks.h"
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::pipeline {

@@ -6,10 +6,10 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/cook_report.h"
+#include "pipeline/cook/cook_report.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/pack/geometry_codec.h"
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::pipeline {

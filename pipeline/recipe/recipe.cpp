@@ -1,4 +1,4 @@
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <set>
 
 #include "pipeline/error.h"
-#include "pipeline/recipe_schema.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 namespace furrow::pipeline {
 

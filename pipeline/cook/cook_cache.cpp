@@ -1,4 +1,4 @@
-#include "pipeline/cook_cache.h"
+#include "pipeline/cook/cook_cache.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -17,7 +17,7 @@
 #include "pipeline/input_file.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/pack/output_file.h"
-#include "pipeline/recipe.h"
+#include "pipeline/recipe/recipe.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -103,8 +103,8 @@ std::string cookKey(const CookRequest& request, const std::vector<std::filesyste
   Hasher hasher;
   hasher.add(toolKey());
   hasher.add(std::string(request.geometry == GeometryCodec::kRaw ? "raw" : "draco") +
-             (request.source.base.empty() ? "" : " base") + (request.source.pattern.empty() ? "" : " frames") +
-             (request.recipe.empty() ? "" : " recipe"));
+             (request.source.base.empty() ? "" : " base") +
+             (request.source.pattern.empty() ? "" : " frames") + (request.recipe.empty() ? "" : " recipe"));
   hasher.add(&request.source.fps, sizeof request.source.fps);
   for (const std::filesystem::path& file : files) {
     hasher.add(file.filename().string());

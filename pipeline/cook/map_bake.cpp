@@ -1,4 +1,4 @@
-#include "pipeline/map_bake.h"
+#include "pipeline/cook/map_bake.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pipeline/cook_cache.h"
+#include "pipeline/cook/cook_cache.h"
 
 namespace furrow::pipeline {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pipeline/bake/weld.h"
-#include "pipeline/layer_bake.h"
-#include "pipeline/map_bake.h"
+#include "pipeline/cook/layer_bake.h"
+#include "pipeline/cook/map_bake.h"
 #include "pipeline/pack/geometry.h"
 
 namespace furrow::pipeline {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/recipe_schema.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 namespace furrow::pipeline {
 

@@ -1,4 +1,4 @@
-#include "pipeline/cook.h"
+#include "pipeline/cook/cook.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,19 +10,19 @@
 #include <set>
 #include <span>
 
-#include "pipeline/arkit.h"
 #include "pipeline/bake/response_fit.h"
 #include "pipeline/bake/rest_view.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/tangents.h"
 #include "pipeline/bake/weld.h"
+#include "pipeline/cook/layer_bake.h"
+#include "pipeline/cook/map_bake.h"
+#include "pipeline/cook/writer.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
-#include "pipeline/layer_bake.h"
-#include "pipeline/map_bake.h"
 #include "pipeline/pack/geometry.h"
-#include "pipeline/pack/writer.h"
 #include "pipeline/parallel.h"
+#include "pipeline/recipe/arkit.h"
 #include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {

@@ -3,7 +3,7 @@
 // The maps of an asset: texture sets by material, with the wrinkle maps, shading maps and masks of every
 // layer.
 
-#include "pipeline/layer_bake.h"
+#include "pipeline/cook/layer_bake.h"
 #include "pipeline/maps/encode.h"
 
 namespace furrow::pipeline {

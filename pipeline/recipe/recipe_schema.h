@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pipeline/json_shape.h"
+#include "pipeline/recipe/json_shape.h"
 
 namespace furrow::pipeline {
 

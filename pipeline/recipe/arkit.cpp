@@ -1,4 +1,4 @@
-#include "pipeline/arkit.h"
+#include "pipeline/recipe/arkit.h"
 
 #include <cctype>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "pipeline/pack/writer.h"
+#include "pipeline/cook/writer.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

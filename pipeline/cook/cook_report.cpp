@@ -1,4 +1,4 @@
-#include "pipeline/cook_report.h"
+#include "pipeline/cook/cook_report.h"
 
 #include <nlohmann/json.hpp>
 

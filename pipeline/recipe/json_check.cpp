@@ -5,7 +5,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/input_file.h"
-#include "pipeline/json_shape.h"
+#include "pipeline/recipe/json_shape.h"
 
 namespace furrow::pipeline {
 

@@ -1,9 +1,9 @@
-#include "pipeline/manifest.h"
+#include "pipeline/cook/manifest.h"
 
 #include <map>
 
 #include "pipeline/error.h"
-#include "pipeline/recipe_schema.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 namespace furrow::pipeline {
 

@@ -1,7 +1,7 @@
-#include "pipeline/recipe_schema.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 #include "furrow/asset.h"
-#include "pipeline/arkit.h"
+#include "pipeline/recipe/arkit.h"
 
 namespace furrow::pipeline {
 
