@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "src/raster_shade.h"
+#include "raster_shade.h"
 #include "tests/unit/texture_decoder.h"
 
 namespace furrow::tests {
