@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "editor/cli/commands.h"
-#include "editor/cli/open_asset.h"
+#include "editor/cli/pose_options.h"
 #include "furrow/frame_plan.h"
 #include "pipeline/maps/encode.h"
 
@@ -22,6 +22,15 @@ nlohmann::json describe(const Texture& texture) {
           {"bytes", texture.data.size()},
           {"rmsError", texture.rms_error},
           {"largestError", texture.largest_error}};
+}
+
+// What eval and render would run on here.
+nlohmann::json describeTier() {
+  std::unique_ptr<preview::HeadlessContext> context;
+  gl::TierChoice choice;
+  if (const Status status = chooseTier("auto", context, choice); !status.ok())
+    return {{"name", nullptr}, {"reason", status.message}};
+  return {{"name", gl::tierName(choice.tier)}, {"reason", choice.reason}};
 }
 
 nlohmann::json describe(const OpenedAsset& opened) {
@@ -83,6 +92,7 @@ nlohmann::json describe(const OpenedAsset& opened) {
             {"geometryAndLayers", opened.bytes - texture_bytes - a.place_hash.size() - a.rig.size()}}},
           {"gpuBytesPerAsset", per_asset},
           {"gpuBytesPerInstance", per_instance},
+          {"tier", describeTier()},
           {"layers", layers},
           {"parts", parts},
           {"textureSets", sets},
@@ -100,6 +110,7 @@ void print(const nlohmann::json& j) {
     std::printf(" %s %llu", name.c_str(), bytes.get<unsigned long long>());
   std::printf("\n  GPU memory: %llu bytes an asset, %llu an instance\n", number("gpuBytesPerAsset"),
               number("gpuBytesPerInstance"));
+  std::printf("  tier here: %s\n", j["tier"]["reason"].get<std::string>().c_str());
   std::printf(
       "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries; error "
       "of positions %g, of morph targets %g\n",
@@ -142,7 +153,9 @@ void print(const nlohmann::json& j) {
 }  // namespace
 
 Command addInfo(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "Show what is in an asset, sizes by section and GPU memory");
+  CLI::App* command = app.add_subcommand(
+      "info",
+      "Show what is in an asset, sizes by section, GPU memory, and the tier that frames would run on here");
   struct Options {
     std::string asset;
     bool json = false;

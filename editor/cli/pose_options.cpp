@@ -129,7 +129,8 @@ preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& opti
                             static_cast<float>(options.scale));
 }
 
-gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context) {
+Status chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context,
+                  gl::TierChoice& choice) {
   const std::string_view wanted = wantedTier(backend);
   std::string no_context;
   try {
@@ -138,9 +139,14 @@ gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::H
     no_context = error.what();
     no_context.resize(no_context.rfind(": "));  // what to do is another here
   }
+  return gl::chooseTier(wanted, no_context, choice);
+}
+
+gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context) {
   gl::TierChoice choice;
-  if (const Status status = gl::chooseTier(wanted, no_context, choice); !status.ok())
-    throw Error(Exit::kEnvironment, "--backend " + std::string(wanted), status.message, "use auto");
+  if (const Status status = chooseTier(backend, context, choice); !status.ok())
+    throw Error(Exit::kEnvironment, "--backend " + std::string(wantedTier(backend)), status.message,
+                "use auto");
   return choice;
 }
 

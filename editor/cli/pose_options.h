@@ -32,8 +32,11 @@ struct PoseOptions {
 // Throws Error (kBadUsage) for a clip, morph target or layer that the asset lacks, naming those it has.
 preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options);
 
-// The tier of --backend or FURROW_BACKEND; a forced one that is missing throws Error (kEnvironment).
-// `context` is made where the tier may need one.
+// The tier of --backend or FURROW_BACKEND; kUnavailable for a forced one that is missing, for which the
+// second form throws Error (kEnvironment). `context` is made where the tier may need one. Throws Error
+// (kBadUsage) for a FURROW_BACKEND that is no tier.
+Status chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context,
+                  gl::TierChoice& choice);
 gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context);
 
 // Says on stderr where auto came to less than the gpu tier.

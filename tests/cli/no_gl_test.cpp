@@ -48,7 +48,6 @@ class NoGl : public ToolTest {
 TEST_F(NoGl, TheCpuTierComputesAndDrawsAndAsksForNoLibrary) {
   const std::vector<std::vector<std::string>> commands = {
       {"--version"},
-      {"info", asset_},
       {"check", asset_},
       {"eval", asset_, "--backend", "cpu", "-o", output() / "w.csv"},
       picture(output() / "alpha.png", {"--backend", "cpu"}),
