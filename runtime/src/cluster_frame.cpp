@@ -3,6 +3,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/cluster_frame.cpp"
+#include "src/targets.h"
+// targets.h first: it says for what the others compile.
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -15,7 +17,6 @@
 #include "src/lanes-inl.h"
 #include "src/respond-inl.h"
 #include "src/skin-inl.h"
-#include "src/targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace furrow {

@@ -4,6 +4,8 @@
 #define HWY_TARGET_INCLUDE "src/deform_kernel.cpp"
 #include "src/deform_kernel.h"
 
+#include "src/targets.h"
+// targets.h first: it says for what the others compile.
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -12,7 +14,6 @@
 
 #include "src/dual_quaternion.h"
 #include "src/skin-inl.h"
-#include "src/targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace furrow {
@@ -72,12 +73,14 @@ Matrices dualQuaternion(const DeformJob& job, const Group& group) {
 constexpr uint32_t kTeam = 4;
 
 HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_t count) {
-#if HWY_TARGET == HWY_SCALAR  // gcc cannot see that these are set where they are read
-  Vectors normals[kTeam] = {}, tangents[kTeam] = {};
-  Lanes signs[kTeam] = {};
-#else
   Vectors normals[kTeam], tangents[kTeam];
   Lanes signs[kTeam];
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_NEON
+  // gcc cannot see that these are set where they are read.
+  for (uint32_t g = 0; g < kTeam; ++g) {
+    signs[g] = all(0.0f);
+    normals[g] = tangents[g] = {signs[g], signs[g], signs[g]};
+  }
 #endif
   for (uint32_t g = 0; g < count; ++g) {
     const Group& group = groups[g];

@@ -3,9 +3,10 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/raster_kernels.cpp"
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include "src/raster_kernels.h"
 
+#include "src/targets.h"
+// targets.h first: it says for what the others compile.
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -69,34 +70,8 @@ HWY_AFTER_NAMESPACE();
 namespace furrow {
 
 RasterKernel rasterKernel(Simd simd) {
-  if (!simdAvailable(simd)) return {};
-  switch (simd) {
-#if HWY_TARGETS & HWY_SCALAR
-    case Simd::kPortable:
-      return N_SCALAR::rasterKernelHere();
-#elif HWY_TARGETS & HWY_EMU128
-    case Simd::kPortable:
-      return N_EMU128::rasterKernelHere();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    case Simd::kSse4:
-      return N_SSE4::rasterKernelHere();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    case Simd::kAvx2:
-      return N_AVX2::rasterKernelHere();
-#endif
-#if HWY_TARGETS & HWY_AVX3
-    case Simd::kAvx512:
-      return N_AVX3::rasterKernelHere();
-#endif
-#if HWY_TARGETS & HWY_NEON
-    case Simd::kNeon:
-      return N_NEON::rasterKernelHere();
-#endif
-    default:
-      return {};
-  }
+  static constexpr RasterKernel (*kKernels[])() = FURROW_TARGETS(rasterKernelHere);
+  return simdAvailable(simd) ? kKernels[static_cast<size_t>(simd)]() : RasterKernel();
 }
 
 }  // namespace furrow

@@ -3,6 +3,9 @@
 // The instruction sets that Highway compiles kernels for, and a table of one function for all of them.
 // To be included before any other header of Highway.
 
+// NEON is all of ARM's that is wanted, and every CPU of 64 bits has it: no choice at run time, and with it no
+// target attributes, which gcc would leave off implicit constructors.
+#define TOOLCHAIN_MISS_SYS_AUXV_H
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/detect_targets.h>
 
