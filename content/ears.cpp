@@ -96,9 +96,13 @@ double headWithEar(dvec3 p) {
 }  // namespace
 
 FacePart ears() {
-  const SurfaceNet net = surfaceNet(headWithEar, {5.6, -6.0, -11.2}, {9.8, 1.0, -5.6}, 0.105);
+  const SurfaceNet net = surfaceNet(headWithEar, {5.6, -6.0, -11.2}, {9.8, 1.0, -5.6}, 0.165);
   FacePart part;
-  for (const dvec3& p : net.points) part.addPoint(p, p.y < head::lipLine(0), p.y < 0);
+  for (dvec3 p : net.points) {
+    // Its rim lies under the skin, which is coarser there.
+    p -= head::normal(p) * 0.09 * smoothRamp(0.07, 0.0, head::distance(p));
+    part.addPoint(p, p.y < head::lipLine(0), p.y < 0);
+  }
   static const Frame frame;
   std::map<std::pair<uint32_t, bool>, uint32_t>
       vertex_of;  // a chart each for what faces out and what faces in

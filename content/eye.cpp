@@ -39,7 +39,7 @@ dvec3 eyeColor(double a, double b) {
 }  // namespace
 
 Mesh eyeball() {
-  constexpr uint32_t kSpokes = 72, kRings = 40, kCornea = 24;
+  constexpr uint32_t kSpokes = 56, kRings = 22, kCornea = 14;
   const auto ringAngle = [](uint32_t ring) {
     return ring <= kCornea ? 0.55 * ring / kCornea
                            : glm::mix(0.55, kPi, (ring - kCornea) / static_cast<double>(kRings - kCornea));

@@ -57,7 +57,7 @@ dvec3 tangential(dvec3 v, dvec3 normal) {
 FacePart brows() {
   FacePart part;
   Random random(11);
-  for (int hair = 0; hair < 4000 && part.materials.size() < 460 * 4; ++hair) {
+  for (int hair = 0; hair < 4000 && part.materials.size() < 410 * 4; ++hair) {
     const double x = random.between(0.85, 5.1), y = random.between(1.0, 2.8);
     const double keep = random.next(), bend = random.next(), shade = random.next(), length = random.next();
     const dvec3 root = head::trace({x, y, 9}, {0, 0, -1});
@@ -95,8 +95,8 @@ FacePart lashes() {
       const dvec3 fan = glm::normalize(
           out + dvec3(0.55 * (t - 0.42) + 0.12 * (random.next() - 0.5), lower ? -0.35 : 0.05, 0.2));
       std::vector<dvec3> spine;
-      for (int k = 0; k < 4; ++k) {
-        const double s = k / 3.0;
+      for (int k = 0; k < 3; ++k) {
+        const double s = k / 2.0;
         spine.push_back(root + length * (fan * s + dvec3(0, (lower ? -0.35 : 0.75) * s * s, 0)));
       }
       addRibbon(part, spine, 0.05, {root, false, lower}, dvec3(0.012, 0.008, 0.006), 0.8, kBrows);
@@ -110,7 +110,7 @@ FacePart lashes() {
 FacePart hair() {
   FacePart part;
   Random random(23);
-  for (int lock = 0; lock < 6400; ++lock) {
+  for (int lock = 0; lock < 3800; ++lock) {
     // Even over the dome above the ears and down the nape.
     const double turn = random.between(-kPi, kPi), rise = std::asin(random.between(-0.85, 1.0));
     const double keep = random.next(), shade = random.next(), stray = random.between(-1, 1),
@@ -131,7 +131,7 @@ FacePart hair() {
                       0.25 * dvec3(valueNoise(root * 0.55), valueNoise(root * 0.55 + dvec3(9)), 0);
     std::vector<dvec3> spine;
     dvec3 at = root;
-    constexpr int kSegments = 4;
+    constexpr int kSegments = 2;
     for (int k = 0; k <= kSegments; ++k) {
       const double s = static_cast<double>(k) / kSegments;
       const double height = 0.04 + volume * (0.55 * lift + 0.45) *
@@ -140,7 +140,7 @@ FacePart hair() {
       at += tangential(way, head::normal(spine.back())) * (length / kSegments);
     }
     const dvec3 dark(0.026, 0.016, 0.011), light(0.115, 0.068, 0.040);
-    addRibbon(part, spine, glm::mix(0.14, 0.26, top), {root}, glm::mix(dark, light, shade * shade),
+    addRibbon(part, spine, glm::mix(0.18, 0.34, top), {root}, glm::mix(dark, light, shade * shade),
               0.35 * stray, kHairs);
   }
   return part;

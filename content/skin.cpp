@@ -19,11 +19,13 @@ using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
 
-// Stations from `begin` to `end` whose distance follows step(station); the last step is evened out over all.
+// A multiple of `count` steps from `begin` to `end` whose length follows step(station); what is too much is
+// evened out over all.
 template <class Step>
-std::vector<double> stations(double begin, double end, Step&& step) {
+std::vector<double> stations(double begin, double end, size_t count, Step&& step) {
   std::vector<double> result{begin};
-  while (result.back() < end) result.push_back(result.back() + step(result.back()));
+  while (result.back() < end || (result.size() - 1) % count)
+    result.push_back(result.back() + step(result.back()));
   const double scale = (end - begin) / (result.back() - begin);
   for (double& s : result) s = begin + (s - begin) * scale;
   return result;
@@ -64,7 +66,7 @@ class HalfFace {
   dvec3& at(uint32_t point) { return skin_.mesh.points[point]; }
 
   void layOut() {
-    const auto angle_step = [](double a) { return 0.0118 + 0.05 * smoothRamp(0.58, 1.7, a); };
+    const auto angle_step = [](double a) { return 0.0118 + 0.12 * smoothRamp(0.78, 1.8, a); };
     const auto height_step = [](double y) {
       const double eyes = std::exp(-std::pow(y / 1.3, 4)), mouth = std::exp(-std::pow((y + 7.0) / 1.3, 4));
       const double nose = std::exp(-std::pow((y + 4.3) / 0.9, 4));
@@ -72,8 +74,9 @@ class HalfFace {
       const double brows = std::exp(-std::pow((y - 1.9) / 0.7, 4));
       return 0.21 - 0.10 * std::max({eyes, mouth, 0.9 * brows}) - 0.05 * nose + 0.2 * throat + 0.35 * scalp;
     };
-    angles_ = stations(0.0, kPi, angle_step);
-    heights_ = stations(-15.2, kShoulder + 1.555 * kDome, height_step);
+    angles_ = stations(0.0, kPi, 4, angle_step);
+    heights_ = stations(-14.8, kShoulder + 1.555 * kDome, 2, height_step);
+    side_ = nearest(angles_, 1.02) / 4 * 4;
     eye_row_ = nearest(heights_, -0.02);
     mouth_row_ = nearest(heights_, -7.0);
     const auto column = [&](double x, double z) { return nearest(angles_, std::atan2(x, z - kAxis)); };
@@ -258,14 +261,47 @@ class HalfFace {
         if (lower(i, j) != k) bottom[k] = skin_.mesh.addVertex(lower(i, j), uv);
       }
     }
-    for (uint32_t j = 0; j + 1 < rows(); ++j)
-      for (uint32_t i = 0; i + 1 < columns(); ++i)
-        quad(top[upper(i, j)], top[upper(i + 1, j)], bottom[upper(i + 1, j + 1)], bottom[upper(i, j + 1)],
-             kSkin);
+    const auto block = [&](uint32_t i0, uint32_t i1, uint32_t j0, uint32_t j1) {
+      // Counter-clockwise; finer neighbours have a point halfway along an edge.
+      const uint32_t a = top[upper(i0, j0)], b = top[upper(i1, j0)], c = bottom[upper(i1, j1)],
+                     d = bottom[upper(i0, j1)], i = (i0 + i1) / 2;
+      std::vector<uint32_t> rim{b, c};
+      if (i1 - i0 > stride(j1)) rim.push_back(bottom[upper(i, j1)]);
+      rim.push_back(d);
+      if (j1 - j0 > 1 && i0 == side_) rim.push_back(top[upper(i0, j0 + 1)]);
+      rim.push_back(a);
+      if (i1 - i0 > stride(j0)) rim.push_back(top[upper(i, j0)]);
+      if (rim.size() == 4)
+        quad(a, b, c, d, kSkin);
+      else
+        fan(rim, std::ranges::find_if(rim, [&](uint32_t v) { return v != a && v != b && v != c && v != d; }));
+    };
+    for (uint32_t j = 0; j + 1 < rows(); ++j) {
+      const uint32_t step = std::max(stride(j), stride(j + 1));
+      for (uint32_t i = 0; i < side_; i += step) block(i, i + step, j, j + 1);
+    }
+    for (uint32_t j = 0; j + 1 < rows(); j += 2) {
+      const uint32_t step = std::max(stride(j), stride(j + 2));
+      for (uint32_t i = side_; i + 1 < columns(); i += step) block(i, i + step, j, j + 2);
+    }
+  }
+
+  // Every how many columns of a row are used: all on the face, fewer under the hair and down the neck, where
+  // they crowd. Behind side_ every other row is.
+  uint32_t stride(uint32_t j) const {
+    const double h = heights_[j / 2 * 2];
+    return h > 11.0 ? 4 : h > 7.6 || h < -10.9 ? 2 : 1;
+  }
+
+  // Triangles from `middle` to the other points of the rim.
+  void fan(std::vector<uint32_t>& rim, std::vector<uint32_t>::iterator middle) {
+    std::rotate(rim.begin(), middle, rim.end());
+    for (size_t k = 1; k + 1 < rim.size(); ++k) skin_.mesh.addTriangle(rim[0], rim[k], rim[k + 1]);
+    skin_.materials.resize(skin_.mesh.triangles.size(), kSkin);
   }
 
   std::vector<double> angles_, heights_;
-  uint32_t eye_row_ = 0, eye_begin_ = 0, eye_end_ = 0, mouth_row_ = 0, mouth_end_ = 0, strips_ = 0;
+  uint32_t side_ = 0, eye_row_ = 0, eye_begin_ = 0, eye_end_ = 0, mouth_row_ = 0, mouth_end_ = 0, strips_ = 0;
   std::map<uint32_t, uint32_t> lower_;
   std::vector<bool> pinned_;
   FacePart skin_;
@@ -297,7 +333,7 @@ FacePart mirrored(const FacePart& half) {
 
 // A row of teeth, `lower` or upper: a band along the dental arch.
 void addTeeth(FacePart& skin, bool lower) {
-  constexpr uint32_t kAcross = 84, kDown = 5;
+  constexpr uint32_t kAcross = 60, kDown = 4;
   SurfaceMesh& mesh = skin.mesh;
   const uint32_t first = static_cast<uint32_t>(mesh.vertices.size());
   for (uint32_t j = 0; j <= kDown; ++j) {
