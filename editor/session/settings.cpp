@@ -72,7 +72,8 @@ Settings readSettings(const std::filesystem::path& file) {
   read(from, "paintedSize", settings.painted_size, 256, 4096);
   read(from, "showLeft", settings.show_left);
   read(from, "showRight", settings.show_right);
-  read(from, "showBottom", settings.show_bottom);
+  read(from, "leftWidth", settings.left_width, Settings::kLeastPanel, Settings::kMostPanel);
+  read(from, "rightWidth", settings.right_width, Settings::kLeastPanel, Settings::kMostPanel);
   if (const auto folder = from.find("folder"); folder != from.end() && folder->is_string())
     settings.folder = path(folder->get<std::string>());
   return settings;
@@ -89,7 +90,8 @@ void writeSettings(const std::filesystem::path& file, const Settings& settings) 
   to["paintedSize"] = settings.painted_size;
   to["showLeft"] = settings.show_left;
   to["showRight"] = settings.show_right;
-  to["showBottom"] = settings.show_bottom;
+  to["leftWidth"] = settings.left_width;
+  to["rightWidth"] = settings.right_width;
   to["folder"] = text(settings.folder);
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);

@@ -14,10 +14,12 @@ struct Settings {
   float scale = 0.0f;                         // of text and widgets, [0.5, 4]; 0: what the screen asks for
   std::string tier = "auto";                  // "auto", "gpu", "gpu-raster" or "cpu"
   int painted_size = 1024;                    // texels a side of a new painted image: 256 to 4096
-  bool show_left = true, show_right = true, show_bottom = true;
-  std::filesystem::path folder;  // that the file dialog showed last
+  bool show_left = true, show_right = true;
+  float left_width = 21.5f, right_width = 21.5f;  // of the panels, in heights of the text
+  std::filesystem::path folder;                   // that the file dialog showed last
 
   static constexpr size_t kMostRecent = 10;
+  static constexpr float kLeastPanel = 12.0f, kMostPanel = 60.0f;
   void opened(const std::filesystem::path& file);
 };
 

@@ -250,7 +250,8 @@ void drawProblems(State& state) {
     for (const Message& message : messages) all += message.text + "\n";
     ImGui::SetClipboardText(all.c_str());
   }
-  ImGui::BeginChild("messages", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
+  ImGui::BeginChild("messages");
+  ImGui::PushTextWrapPos();
   for (const Message& message : messages) {
     const ImU32 color = message.kind == Message::Kind::kError     ? Colors::kRed
                         : message.kind == Message::Kind::kWarning ? Colors::kAccent
@@ -260,6 +261,7 @@ void drawProblems(State& state) {
     ImGui::PopStyleColor();
   }
   if (messages.empty()) ImGui::TextDisabled("Nothing to tell");
+  ImGui::PopTextWrapPos();
   static size_t told = 0;
   if (told != messages.size()) ImGui::SetScrollHereY(1.0f);
   told = messages.size();

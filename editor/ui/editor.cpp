@@ -18,6 +18,10 @@ namespace fs = std::filesystem;
 
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+constexpr const char* kEllipsis = "\xe2\x80\xa6";
+constexpr float kPanStep = 0.05f;      // of the picture's height
+constexpr float kMostOfScreen = 0.4f;  // that a panel takes of the width
+const std::vector<std::string> kImages = {".png", ".tif", ".tiff", ".exr", ".tga", ".jpg", ".jpeg", ".webp"};
 const std::vector<std::string> kMeshes = {".glb", ".gltf", ".obj",  ".ply",
                                           ".stl", ".off",  ".json", ".furrow"};
 
@@ -26,6 +30,28 @@ bool beginPanel(const char* name, ImVec2 low, ImVec2 size, ImGuiWindowFlags more
   ImGui::SetNextWindowPos(low);
   ImGui::SetNextWindowSize(size);
   return ImGui::Begin(name, nullptr, kPanel | more);
+}
+
+// The edge of a panel, to be dragged; `width` in em, growing with `sign` times the pointer's x.
+void drawEdge(const char* id, float x, float top, float height, float& width, float sign) {
+  const float grip = 0.3f * em();
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, 0u);
+  beginPanel(id, {x - grip, top}, {2.0f * grip, height}, ImGuiWindowFlags_NoNav);
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar();
+  ImGui::InvisibleButton("##edge", {2.0f * grip, height});
+  mark(id);
+  tooltip("Drag to make the panel wider or narrower  (Ctrl+Shift+Right, Ctrl+Shift+Left)");
+  const bool held = ImGui::IsItemActive();
+  if (held || ImGui::IsItemHovered()) {
+    ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    ImGui::GetWindowDrawList()->AddLine({x, top}, {x, top + height}, Colors::kAccent, 0.13f * em());
+  }
+  if (held)
+    width = std::clamp(width + sign * ImGui::GetIO().MouseDelta.x / em(), Settings::kLeastPanel,
+                       Settings::kMostPanel);
+  ImGui::End();
 }
 
 // Where the samples are made: the user's cache.
@@ -76,6 +102,25 @@ void Editor::makeActions() {
     };
   };
   const auto zoom = [&s](float by) { return [&s, by] { s.camera.distance *= by; }; };
+  const auto pan = [&s](float right, float up) {
+    return [&s, right, up] { panCamera(s.camera, kPanStep * right, kPanStep * up); };
+  };
+  const auto divide = [&s](float by) {
+    return [&s, by] { s.divider = std::clamp(s.divider + by, kLeastDivider, 1.0f - kLeastDivider); };
+  };
+  const auto widen = [&s](float by) {
+    return [&s, by] {
+      for (float* width : {&s.settings.left_width, &s.settings.right_width})
+        *width = std::clamp(*width + by, Settings::kLeastPanel, Settings::kMostPanel);
+    };
+  };
+  const auto scale = [&s](float by) {
+    return [&s, by] {
+      s.scale = std::clamp((s.scale > 0.0f ? s.scale : s.screen_scale) * by, 0.5f, 4.0f);
+      s.settings.scale = s.scale;
+    };
+  };
+  const auto split = [&s] { return s.session.shown() && s.split; };
   actions_ = {
       {"file.open",
        "File",
@@ -353,9 +398,16 @@ void Editor::makeActions() {
        is_open},
       {"view.lights",
        "View",
-       "Lights back",
+       "Turn lights",
        {'L', false, false},
-       "Lights as at the start; right drag in the view turns them",
+       "Turn the lights by 15 degrees; right drag in the view turns them freely",
+       [&s] { s.light_yaw = std::remainder(s.light_yaw + 15.0f, 360.0f); },
+       is_open},
+      {"view.lights_back",
+       "View",
+       "Lights back",
+       {'L', false, true},
+       "Lights as at the start",
        [&s] { s.light_yaw = 0.0f; },
        is_open},
       {"view.left",
@@ -375,6 +427,21 @@ void Editor::makeActions() {
        [&s] { s.settings.show_right = !s.settings.show_right; },
        [] { return true; },
        [&s] { return s.settings.show_right; }},
+      {"view.larger",
+       "View",
+       "Larger text",
+       {'=', true, false},
+       "Larger text and widgets, up to 4 times the usual size",
+       scale(1.1f),
+       [] { return true; },
+       {},
+       true},
+      {"view.smaller",
+       "View",
+       "Smaller text",
+       {'-', true, false},
+       "Smaller text and widgets, down to half the usual size",
+       scale(1.0f / 1.1f)},
       {"view.problems",
        "View",
        "Messages",
@@ -435,6 +502,38 @@ void Editor::makeActions() {
       {"camera.right", "", "", {key::kRight, false, false}, "Orbit to the right", orbit(5, 0), is_open},
       {"camera.up", "", "", {key::kUp, false, false}, "Orbit upwards", orbit(0, 5), is_open},
       {"camera.down", "", "", {key::kDown, false, false}, "Orbit downwards", orbit(0, -5), is_open},
+      {"camera.pan_left",
+       "",
+       "",
+       {key::kLeft, false, true},
+       "Move the view to the left",
+       pan(-1, 0),
+       is_open},
+      {"camera.pan_right",
+       "",
+       "",
+       {key::kRight, false, true},
+       "Move the view to the right",
+       pan(1, 0),
+       is_open},
+      {"camera.pan_up", "", "", {key::kUp, false, true}, "Move the view upwards", pan(0, 1), is_open},
+      {"camera.pan_down", "", "", {key::kDown, false, true}, "Move the view downwards", pan(0, -1), is_open},
+      {"divider.left",
+       "",
+       "",
+       {key::kLeft, true, false},
+       "Divider of the split screen to the left",
+       divide(-0.02f),
+       split},
+      {"divider.right",
+       "",
+       "",
+       {key::kRight, true, false},
+       "Divider of the split screen to the right",
+       divide(0.02f),
+       split},
+      {"panels.narrower", "", "", {key::kLeft, true, true}, "Narrower panels", widen(-1.5f)},
+      {"panels.wider", "", "", {key::kRight, true, true}, "Wider panels", widen(1.5f)},
       {"camera.in", "", "", {'=', false, false}, "Zoom in", zoom(1.0f / 1.15f), is_open},
       {"camera.out", "", "", {'-', false, false}, "Zoom out", zoom(1.15f), is_open},
   };
@@ -522,8 +621,11 @@ void Editor::frame(double seconds) {
   const float status = ImGui::GetFrameHeight();
   const float problems = state_.problems_shown ? std::min(9.0f * em(), 0.3f * screen.y) : 0.0f;
   const bool panels = !session.source().empty();
-  const float left = panels && state_.settings.show_left ? std::min(21.5f * em(), 0.3f * screen.x) : 0.0f;
-  const float right = panels && state_.settings.show_right ? std::min(21.5f * em(), 0.3f * screen.x) : 0.0f;
+  const auto panelWidth = [&](bool shown, float wanted) {
+    return panels && shown ? std::floor(std::min(wanted * em(), kMostOfScreen * screen.x)) : 0.0f;
+  };
+  const float left = panelWidth(state_.settings.show_left, state_.settings.left_width);
+  const float right = panelWidth(state_.settings.show_right, state_.settings.right_width);
   const float bottom = panels ? line : 0.0f;
   const float body_top = top + (panels ? tools : 0.0f) + 1.0f;
   const float body = screen.y - body_top - status - bottom - 2.0f;
@@ -567,6 +669,9 @@ void Editor::frame(double seconds) {
   beginPanel("Status", {0, screen.y - status}, {screen.x, status});
   drawStatus();
   ImGui::End();
+  if (left > 0.0f) drawEdge("edge.left", left, body_top, body, state_.settings.left_width, 1.0f);
+  if (right > 0.0f)
+    drawEdge("edge.right", screen.x - right, body_top, body, state_.settings.right_width, -1.0f);
   drawDialogs();
 
   // An error opens the list once.
@@ -588,16 +693,20 @@ void Editor::drawMenuBar() {
 }
 
 void Editor::drawToolbar() {
-  constexpr std::pair<const char*, const char*> kTools[] = {{"tool.look", "Look"},
-                                                            {"tool.bias", "Bias"},
-                                                            {"tool.mask", "Mask"},
-                                                            {"tool.comb", "Comb"},
-                                                            {"tool.guide", "Guide"}};
-  for (const auto& [id, label] : kTools) {
-    if (id != kTools[0].first) ImGui::SameLine(0.0f, 3.0f);
-    actionButton(actions_, id, label);
-  }
-  ImGui::SameLine(0.0f, 1.4f * em());
+  const auto group = [&](std::initializer_list<std::pair<const char*, const char*>> buttons) {
+    for (const auto& [id, label] : buttons) {
+      actionButton(actions_, id, label);
+      ImGui::SameLine(0.0f, 3.0f);
+    }
+    ImGui::SameLine(0.0f, 1.2f * em());
+  };
+  group({{"file.save", state_.session.document.dirty() ? "Save *" : "Save"}, {"file.cook", "Cook ..."}});
+  group({{"edit.undo", "\xe2\x86\xb6"}, {"edit.redo", "\xe2\x86\xb7"}});
+  group({{"tool.look", "Look"},
+         {"tool.bias", "Bias"},
+         {"tool.mask", "Mask"},
+         {"tool.comb", "Comb"},
+         {"tool.guide", "Guide"}});
   drawTools();
   // From here on aligned to the right, or in a row of its own.
   const float wide = (state_.split ? 47.5f : 25.5f) * em();
@@ -654,19 +763,16 @@ void Editor::drawToolbar() {
 
 void Editor::drawTools() {
   if (state_.tool == Tool::kLook) {
-    actionButton(actions_, "view.all", "All");
+    actionButton(actions_, "view.all", "Frame all");
     ImGui::SameLine(0.0f, 3.0f);
-    actionButton(actions_, "view.selected", "Layer");
+    actionButton(actions_, "view.selected", "Frame layer");
     return;
   }
   Brush& brush = state_.brush;
   const auto small_slider = [](const char* id, float& value, float low, float high, const char* format,
                                float width, const char* tip, ImGuiSliderFlags flags = 0) {
     ImGui::SetNextItemWidth(width * em());
-    ImGui::SliderFloat((std::string("##") + id).c_str(), &value, low, high, format,
-                       flags | ImGuiSliderFlags_AlwaysClamp);
-    mark(id);
-    tooltip(tip);
+    bareSlider(id, value, low, high, format, tip, flags);
     ImGui::SameLine(0.0f, 3.0f);
   };
   if (state_.tool != Tool::kGuide) {
@@ -690,18 +796,17 @@ void Editor::drawTools() {
 
 void Editor::drawBanner(ImVec2 low, float width) {
   const std::string& error = state_.session.error();
-  const bool cooking = state_.session.cooking() && !state_.session.source().empty();
-  if (error.empty() && !(cooking && !state_.session.shown())) return;
+  if (error.empty()) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float pad = 0.6f * em();
-  const std::string text = !error.empty() ? state_.brief(error) + "   (what you see is from before)"
-                                          : "Cooking: " + state_.session.stage();
+  const std::string text =
+      state_.brief(error) + (state_.session.shown() ? "   (what you see is from before)" : "");
   const float wrap = width - 4.0f * pad - 2.0f * em();
   const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(em(), 1e9f, wrap, text.c_str());
   const ImVec2 at = {low.x + 2.0f * pad, low.y + 2.6f * em()};
   list->AddRectFilled({at.x - pad, at.y - 0.5f * pad},
                       {at.x + std::min(size.x, wrap) + pad, at.y + size.y + 0.5f * pad},
-                      error.empty() ? IM_COL32(20, 21, 23, 220) : IM_COL32(92, 26, 22, 235), 4.0f);
+                      IM_COL32(92, 26, 22, 235), 4.0f);
   list->AddText(ImGui::GetFont(), em(), at, Colors::kText, text.c_str(), nullptr, wrap);
 }
 
@@ -744,7 +849,13 @@ void Editor::drawStatus() {
   tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
   if (!session.messages().empty()) {
     const Message& last = session.messages().back();
-    const std::string text = state_.brief(last.text);
+    std::string text = state_.brief(last.text);
+    const float room = ImGui::GetWindowWidth() - ImGui::GetItemRectMax().x - 2.0f * em();
+    if (room < 6.0f * em()) return;
+    if (ImGui::CalcTextSize(text.c_str()).x > room) {
+      while (!text.empty() && ImGui::CalcTextSize((text + kEllipsis).c_str()).x > room) text.pop_back();
+      text += kEllipsis;
+    }
     const float width = ImGui::CalcTextSize(text.c_str()).x + em();
     ImGui::SameLine(std::max(ImGui::GetItemRectMax().x + em(), ImGui::GetWindowWidth() - width));
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(last.kind == Message::Kind::kError     ? Colors::kRed
@@ -794,6 +905,9 @@ void Editor::openDialog() {
         state_.looks[1] = state_.looks[0];
         state_.looks[1].compared = true;
       });
+      break;
+    case Dialog::kTexture:
+      files_.open("Choose image", folder, kImages, false, state_.texture_chosen);
       break;
     case Dialog::kImage:
       files_.open("Save picture", folder / (session.source().stem().string() + ".png"), {".png"}, true,

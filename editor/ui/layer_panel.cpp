@@ -21,12 +21,23 @@ std::string unusedName(const pipeline::Recipe& recipe, const std::string& base) 
   }
 }
 
+// A drag over several rows is one edit.
+void moveLayer(Session& session, size_t from, size_t to) {
+  Content content = session.document.content();
+  LayerRecipe layer = std::move(content.recipe.layers[from]);
+  content.recipe.layers.erase(content.recipe.layers.begin() + static_cast<std::ptrdiff_t>(from));
+  content.recipe.layers.insert(content.recipe.layers.begin() + static_cast<std::ptrdiff_t>(to),
+                               std::move(layer));
+  session.document.apply(std::move(content), "Move layer");
+}
+
 void drawList(State& state) {
   Session& session = state.session;
   const pipeline::Recipe& recipe = session.document.recipe();
   const uint32_t selected = state.documentLayer();
   const auto rows = static_cast<float>(std::clamp<size_t>(recipe.layers.size(), 3, 7));
   const float padding = 0.4f * em();
+  size_t dragged = recipe.layers.size();
   ImGui::PushStyleColor(ImGuiCol_ChildBg, IM_COL32(22, 23, 25, 255));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, padding});
   ImGui::BeginChild("layers", {0.0f, rows * ImGui::GetTextLineHeightWithSpacing() + 2.0f * padding}, false,
@@ -38,16 +49,22 @@ void drawList(State& state) {
     const std::string id = "layer.select." + layer.name;
     if (ImGui::Selectable(("  " + layer.name + "##" + id).c_str(), l == selected)) state.layer = layer.name;
     mark(id.c_str());
-    tooltip("Select this layer: the panel below edits it, and the views of one layer show it");
+    tooltip(
+        "Select this layer: the panel below edits it, and the views of one layer show it. Drag it up or down "
+        "to "
+        "reorder; the order is that of the asset's weights");
+    if (ImGui::IsItemActive() && !ImGui::IsItemHovered()) dragged = l;
+  }
+  // The row under the pointer takes the dragged layer.
+  if (dragged < recipe.layers.size()) {
+    const float y = ImGui::GetMousePos().y, row = ImGui::GetTextLineHeightWithSpacing();
+    const float top = ImGui::GetWindowPos().y + padding - ImGui::GetScrollY();
+    const auto target = static_cast<size_t>(
+        std::clamp((y - top) / row, 0.0f, static_cast<float>(recipe.layers.size()) - 0.5f));
+    if (target != dragged) moveLayer(session, dragged, target);
   }
   ImGui::EndChild();
 
-  const auto reorder = [&](uint32_t from, uint32_t to, const char* what) {
-    Content content = session.document.content();
-    std::swap(content.recipe.layers[from], content.recipe.layers[to]);
-    session.document.apply(std::move(content), what);
-    session.document.endGesture();
-  };
   const bool some = selected != pipeline::kNoIndex;
   if (button("layer.add", "Add",
              "Add a layer over everything, with directions from the animation (1 to 16 layers)",
@@ -86,12 +103,39 @@ void drawList(State& state) {
   ImGui::SameLine();
   if (button("layer.up", "\xe2\x96\xb2", "Move the layer up; the order is that of the asset's weights",
              some && selected > 0))
-    return reorder(selected, selected - 1, "Move layer up");
+    return moveLayer(session, selected, selected - 1);
   ImGui::SameLine();
   if (button("layer.down", "\xe2\x96\xbc", "Move the layer down; the order is that of the asset's weights",
              some && selected + 1 < recipe.layers.size()))
-    reorder(selected, selected + 1, "Move layer down");
+    moveLayer(session, selected, selected + 1);
 }
+
+using Chosen = std::function<void(const std::filesystem::path&)>;
+
+// A row with an image's name, or `none`, on a button that chooses another.
+void imageRow(State& state, const std::string& id, const char* label, const std::filesystem::path& now,
+              const char* none, const char* tip, Chosen chosen, float spare = 0.0f) {
+  row(label);
+  const std::string text = now.empty() ? none : now.filename().string();
+  if (button(id.c_str(), text.c_str(), tip, true, ImGui::CalcItemWidth() - spare)) {
+    state.texture_chosen = std::move(chosen);
+    state.dialog = Dialog::kTexture;
+  }
+}
+
+// The same with a button that takes the image away.
+void clearableImage(State& state, const std::string& id, const char* label, const std::filesystem::path& now,
+                    const char* none, const char* tip, Chosen chosen,
+                    const std::function<void(LayerRecipe&)>& clear) {
+  const float gap = 4.0f, width = now.empty() ? 0.0f : 3.8f * em();
+  imageRow(state, id, label, now, none, tip, std::move(chosen), now.empty() ? 0.0f : width + gap);
+  if (now.empty()) return;
+  ImGui::SameLine(0.0f, gap);
+  if (button((id + ".clear").c_str(), "Clear", "Take it away", true, width))
+    state.edit(std::string("Clear ") + label, clear);
+}
+
+constexpr const char* kChannels[] = {"r", "g", "b", "a"};
 
 void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFrame* frame) {
   if (!section("section.response", "Response", "How a squeeze becomes a weight")) return;
@@ -225,8 +269,14 @@ void drawDirection(State& state, const LayerRecipe& layer) {
       state.edit("Direction of " + layer.name,
                  [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionAttribute{name}; });
   } else if (const auto* texture = std::get_if<pipeline::DirectionTexture>(&layer.direction)) {
-    row("Image");
-    ImGui::TextDisabled("%s", texture->texture.filename().string().c_str());
+    imageRow(
+        state, "layer.direction_image", "Image", texture->texture, "",
+        "The flow map: red and green hold the direction across the creases. Comb it with the comb tool, or "
+        "choose another",
+        [&state](const std::filesystem::path& file) {
+          state.edit("Flow map",
+                     [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionTexture{file}; });
+        });
   } else if (const auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction)) {
     row("Curves");
     if (guides->lines.empty())
@@ -263,12 +313,19 @@ void drawReach(State& state, const LayerRecipe& layer) {
       });
   }
   if (const auto* texture = std::get_if<pipeline::MaskTexture>(&layer.mask)) {
-    row("");
-    ImGui::TextDisabled("%s", texture->texture.filename().string().c_str());
+    int channel = static_cast<int>(texture->channel);
+    imageRow(state, "layer.mask_image", "  Image", texture->texture, "",
+             "The mask: white is where the layer reaches. Paint it with the mask tool, or choose another",
+             [&state](const std::filesystem::path& file) {
+               state.edit("Mask", [&](LayerRecipe& edited) { edited.mask = pipeline::MaskTexture{file, 0}; });
+             });
+    if (choice("layer.mask_channel", "  Channel", channel, kChannels, "Channel of the image: r, g, b or a"))
+      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
+        std::get<pipeline::MaskTexture>(edited.mask).channel = static_cast<uint32_t>(channel);
+      });
   } else if (const auto* attribute = std::get_if<pipeline::MaskAttribute>(&layer.mask)) {
     std::string name = attribute->name;
     int channel = static_cast<int>(attribute->channel);
-    constexpr const char* kChannels[] = {"r", "g", "b", "a"};
     if (field("layer.mask_attribute", "  Attribute", name, "Name of the vertex attribute, such as COLOR_0") &&
         !name.empty())
       state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
@@ -280,22 +337,20 @@ void drawReach(State& state, const LayerRecipe& layer) {
         edited.mask = pipeline::MaskAttribute{name, static_cast<uint32_t>(channel)};
       });
   }
-  row("Rest bias");
-  if (!layer.bias) {
-    ImGui::TextDisabled("none (paint it)");
-  } else {
-    const std::string from =
-        layer.bias->texture.empty() ? layer.bias->attribute : layer.bias->texture.filename().string();
-    const float width = ImGui::GetContentRegionAvail().x - 4.2f * em();
-    ImGui::PushClipRect(ImGui::GetCursorScreenPos(),
-                        {ImGui::GetCursorScreenPos().x + width, ImGui::GetCursorScreenPos().y + 2.0f * em()},
-                        true);
-    ImGui::TextDisabled("%s", from.c_str());
-    ImGui::PopClipRect();
-    ImGui::SameLine(ImGui::GetContentRegionMax().x - 3.8f * em());
-    if (button("layer.clear_bias", "Clear", "Remove the rest bias of this layer", true, 3.8f * em()))
-      state.edit("Clear bias of " + layer.name, [](LayerRecipe& edited) { edited.bias.reset(); });
-  }
+  // A vertex attribute is named in the recipe.
+  const std::filesystem::path bias = !layer.bias ? std::filesystem::path()
+                                     : layer.bias->texture.empty()
+                                         ? std::filesystem::path(layer.bias->attribute)
+                                         : layer.bias->texture;
+  clearableImage(
+      state, "layer.bias", "Rest bias", bias, "None: choose ...",
+      "What is wrinkled at rest: black never, mid grey as it is squeezed, white always. Paint it with the "
+      "bias "
+      "tool, or choose an image",
+      [&state](const std::filesystem::path& file) {
+        state.edit("Rest bias", [&](LayerRecipe& edited) { edited.bias = pipeline::Bias{{}, 0, 0.5, file}; });
+      },
+      [](LayerRecipe& edited) { edited.bias.reset(); });
 }
 
 // `unit`: the diagonal of the character, to which the ranges of lengths belong.
@@ -311,25 +366,70 @@ void drawMap(State& state, const LayerRecipe& layer, bool stretch, float unit) {
     state.edit(what + " of " + layer.name,
                [&](LayerRecipe& edited) { (stretch ? edited.stretch : edited.compress) = value; });
   };
+  // An image for a map of the kind of `value`.
+  const auto chosen = [&](const pipeline::Map& value) -> Chosen {
+    return [&state, stretch, value](const std::filesystem::path& file) {
+      state.edit("Map", [&](LayerRecipe& edited) {
+        pipeline::Map& of = stretch ? edited.stretch : edited.compress;
+        if (of.index() != value.index()) of = value;
+        if (auto* normal = std::get_if<pipeline::MapNormal>(&of)) normal->texture = file;
+        if (auto* height = std::get_if<pipeline::MapHeight>(&of)) height->texture = file;
+      });
+    };
+  };
   constexpr const char* kKinds[] = {"None", "Normal map", "Height map", "Synthesised"};
   int kind = static_cast<int>(map.index());
   if (choice((prefix + ".kind").c_str(), "From", kind, kKinds,
-             "A map made from the direction field, an image of yours (name it in the recipe), or none")) {
+             "A map made from the direction field, a normal or height map of yours, or none")) {
     if (kind == 0) set("Map", pipeline::MapNone{});
     if (kind == 3) set("Map", pipeline::MapSynthesized{});
-    if (kind == 1 || kind == 2)
-      state.session.tell(
-          Message::Kind::kNote,
-          "name the image as \"normal\" or \"height\" in the recipe file; it is read again at once");
+    if (kind == 1 || kind == 2) {
+      state.texture_chosen =
+          chosen(kind == 1 ? pipeline::Map(pipeline::MapNormal{}) : pipeline::Map(pipeline::MapHeight{}));
+      state.dialog = Dialog::kTexture;
+    }
   }
   if (const auto* normal = std::get_if<pipeline::MapNormal>(&map)) {
-    row("Image");
-    ImGui::TextDisabled("%s", normal->texture.filename().string().c_str());
+    imageRow(state, prefix + ".image", "Image", normal->texture, "",
+             "A tangent-space normal map of the wrinkles alone; click to choose another", chosen(map));
+    constexpr const char* kGreens[] = {"Up (OpenGL)", "Down (DirectX)"};
+    int green = static_cast<int>(normal->green);
+    if (choice((prefix + ".green").c_str(), "Green points", green, kGreens,
+               "Which way the green channel points: up as in Blender and glTF, down as in Unreal. Wrong, and "
+               "ridges look like valleys")) {
+      pipeline::MapNormal next = *normal;
+      next.green = static_cast<pipeline::Green>(green);
+      set("Green", next);
+    }
   }
   if (const auto* height = std::get_if<pipeline::MapHeight>(&map)) {
-    row("Image");
-    ImGui::TextDisabled("%s", height->texture.filename().string().c_str());
+    imageRow(state, prefix + ".image", "Image", height->texture, "",
+             "Heights of the wrinkles, white is up; click to choose another", chosen(map));
+    float depth = static_cast<float>(height->depth);
+    if (slider((prefix + ".height_depth").c_str(), "Depth", depth, 0.0f, 0.05f * unit,
+               depth > 0.0f ? "%.4g" : "auto",
+               "From black to white, in the file's unit of length, up to 5% of the character's size; 0: "
+               "automatic")) {
+      pipeline::MapHeight next = *height;
+      next.depth = double{depth};
+      set("Depth", next);
+    }
   }
+  if (!std::holds_alternative<pipeline::MapNone>(map))
+    clearableImage(
+        state, prefix + ".shading", "Alpha shading",
+        (stretch ? layer.stretch_finish : layer.compress_finish).shading.value_or(std::filesystem::path()),
+        "From the relief",
+        "How dark creases are by the alpha-shading method: worked out from the relief, or an image of yours; "
+        "click to choose one",
+        [&state, stretch](const std::filesystem::path& file) {
+          state.edit("Alpha-shading map", [&](LayerRecipe& edited) {
+            (stretch ? edited.stretch_finish : edited.compress_finish).shading = file;
+          });
+        },
+        [stretch](LayerRecipe& edited) {
+          (stretch ? edited.stretch_finish : edited.compress_finish).shading.reset();
+        });
   const auto* made = std::get_if<pipeline::MapSynthesized>(&map);
   if (!made) return;
   pipeline::MapSynthesized next = *made;

@@ -27,11 +27,13 @@ void heldSlider(const std::string& prefix, const std::string& name, std::map<std
   const auto found = held.find(name);
   const bool is_held = found != held.end();
   float value = is_held ? found->second : playing;
-  if (!is_held) ImGui::PushStyleColor(ImGuiCol_SliderGrab, IM_COL32(130, 132, 138, 255));
+  if (!is_held)
+    for (const ImGuiCol color : {ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
+      ImGui::PushStyleColor(color, IM_COL32(130, 132, 138, 255));
   if (slider((prefix + name).c_str(), name.c_str(), value, std::min(low, value), std::max(high, value),
              "%.2f", tip))
     held[name] = value;
-  if (!is_held) ImGui::PopStyleColor();
+  if (!is_held) ImGui::PopStyleColor(2);
   if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) held.erase(name);
 }
 
@@ -152,23 +154,20 @@ void drawTimeline(State& state) {
     player.loop = !player.loop;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(6.5f * em());
-  ImGui::SliderFloat("##timeline.speed", &player.speed, 0.1f, 4.0f, "x %.2f",
-                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-  mark("timeline.speed");
-  tooltip("Speed, 0.1 to 4 times that of the clip; Ctrl+click to type");
+  bareSlider("timeline.speed", player.speed, 0.1f, 4.0f, "x %.2f",
+             "Speed, 0.1 to 4 times that of the clip; Ctrl+click to type", ImGuiSliderFlags_Logarithmic);
   ImGui::SameLine(0.0f, 1.5f * em());
   float time = static_cast<float>(player.time);
   char format[48];
   std::snprintf(format, sizeof format, "%%.2f / %.2f s", length);
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x, 8.0f * em()));
   ImGui::BeginDisabled(!plays);
-  if (ImGui::SliderFloat("##timeline.time", &time, 0.0f, plays ? static_cast<float>(length) : 1.0f, format,
-                         ImGuiSliderFlags_AlwaysClamp))
+  if (bareSlider(
+          "timeline.time", time, 0.0f, plays ? static_cast<float>(length) : 1.0f, format,
+          "Time in seconds, from 0 to the end of the clip; drag to scrub, comma and period step a frame "
+          "of 1/30 s"))
     player.time = double{time};
   ImGui::EndDisabled();
-  mark("timeline.time");
-  tooltip(
-      "Time in seconds, from 0 to the end of the clip; drag to scrub, Left and Right step a frame of 1/30 s");
 }
 
 }  // namespace furrow::editor::ui

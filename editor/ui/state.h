@@ -26,6 +26,7 @@ struct Look {
 inline constexpr const char* kViewNames[] = {"Beauty", "Weight",     "Direction", "Points",   "Mask",
                                              "Bias",   "Confidence", "Morphs",    "UV layout"};
 inline constexpr int kUvView = 8;
+inline constexpr float kLeastDivider = 0.02f;  // of the picture's width, on either side
 inline constexpr const char* kShadingNames[] = {"Interpolated bump", "Bump blend", "Alpha shading",
                                                 "No wrinkles"};
 
@@ -36,10 +37,10 @@ struct Drawn {
   preview::StageTimes times;
 };
 
-enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage };
+enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage, kTexture };
 
 struct State {
-  State(Session& of, Settings& kept) : session(of), settings(kept) {}
+  State(Session& of, Settings& kept) : session(of), settings(kept), scale(kept.scale) {}
 
   Session& session;
   Settings& settings;
@@ -56,10 +57,12 @@ struct State {
   Drawn drawn[2];
   bool split = false;
   float divider = 0.5f;  // of the picture's width
+  // Of text and widgets: what is wanted, 0: what the screen asks for, and that.
+  float scale, screen_scale = 1.0f;
 
   bool keys_shown = false, problems_shown = false;
   Dialog dialog = Dialog::kNone;
-  std::function<void(const std::filesystem::path&)> chosen;  // what the dialog is for
+  std::function<void(const std::filesystem::path&)> texture_chosen;  // what Dialog::kTexture is for
   // What waits until the artist has said what becomes of unsaved work.
   std::function<void()> leaving;
   bool quit = false;

@@ -177,6 +177,13 @@ bool Projection::toScreen(glm::vec3 posed, ImVec2& screen) const {
 
 // ---- Viewport ----
 
+void panCamera(preview::Camera& camera, float right, float up) {
+  const float height = 2.0f * camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
+  const preview::CameraFrame axes = preview::cameraFrame(camera, 1.0f);
+  const glm::vec3 move = height * (right * axes.right + up * axes.up);
+  camera.target = {camera.target.x + move.x, camera.target.y + move.y, camera.target.z + move.z};
+}
+
 Viewport::Viewport() : paint_(std::make_unique<PaintTool>()) {}
 Viewport::~Viewport() = default;
 
@@ -222,10 +229,7 @@ void Viewport::moveCamera(State& state, ImVec2 size, bool hovered) {
   };
   const bool pan = drags(ImGuiMouseButton_Middle) || (looking && io.KeyShift && drags(ImGuiMouseButton_Left));
   if (pan) {
-    const float unit = 2.0f * camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f) / size.y;
-    const preview::CameraFrame axes = preview::cameraFrame(camera, size.x / size.y);
-    const glm::vec3 move = unit * (-io.MouseDelta.x * axes.right + io.MouseDelta.y * axes.up);
-    camera.target = {camera.target.x + move.x, camera.target.y + move.y, camera.target.z + move.z};
+    panCamera(camera, -io.MouseDelta.x / size.y, io.MouseDelta.y / size.y);
   } else if (drags(ImGuiMouseButton_Right)) {
     state.light_yaw = std::remainder(state.light_yaw + kLightSpeed * io.MouseDelta.x, 360.0f);
   } else if (looking && drags(ImGuiMouseButton_Left)) {
@@ -248,7 +252,7 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(low, high, IM_COL32(26, 27, 29, 255));
   const std::shared_ptr<Shown>& shown = state.session.shown();
-  if (!shown || !frame) return;
+  if (!shown || !frame) return drawCooking(state, low, high);
   if (!state.framed) frameAll(state, *frame);
 
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
@@ -300,6 +304,60 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
       ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::GetIO().MouseWheel != 0.0f)
     moveCamera(state, size, hovered);
   drawLabels(state, low, high);
+  drawHint(state, low, high);
+}
+
+// Before there is anything to look at.
+void Viewport::drawCooking(const State& state, ImVec2 low, ImVec2 high) const {
+  if (!state.session.cooking()) return;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
+  const auto line = [&](float y, ImU32 color, const std::string& text) {
+    const float width = ImGui::CalcTextSize(text.c_str()).x;
+    list->AddText({std::floor(middle.x - 0.5f * width), std::floor(middle.y + y * em())}, color,
+                  text.c_str());
+  };
+  line(-2.4f, Colors::kText, "Cooking " + state.session.source().filename().string());
+  line(0.6f, Colors::kDim, state.session.stage());
+  // How long a cook takes is not known: the bar says that something happens.
+  const float half = 9.0f * em(), y = middle.y - 0.4f * em(), thick = 0.25f * em();
+  list->AddRectFilled({middle.x - half, y}, {middle.x + half, y + thick}, IM_COL32(255, 255, 255, 26), thick);
+  const float t = state.scripted ? 0.25f : static_cast<float>(std::fmod(ImGui::GetTime() / 1.4, 1.0));
+  const float from = middle.x - half + 2.0f * half * std::max(0.0f, 1.3f * t - 0.3f),
+              to = middle.x - half + 2.0f * half * std::min(1.0f, 1.3f * t);
+  list->AddRectFilled({from, y}, {to, y + thick}, Colors::kAccent, thick);
+}
+
+// What the mouse does with the tool in hand.
+void Viewport::drawHint(const State& state, ImVec2 low, ImVec2 high) const {
+  constexpr const char* kBrush = "Alt + drag: orbit     [ ]: brush size     X: mirror     Q: done";
+  std::string text;
+  switch (state.tool) {
+    case Tool::kLook:
+      text = "Drag: orbit     Shift + drag: pan     Wheel: zoom     Right drag: turn lights     F1: all keys";
+      break;
+    case Tool::kBias:
+      text = std::string("Drag: paint wrinkles at rest     Ctrl + drag: erase     ") + kBrush;
+      break;
+    case Tool::kMask:
+      text = std::string("Drag: paint where the layer reaches     Ctrl + drag: erase     ") + kBrush;
+      break;
+    case Tool::kComb:
+      text = std::string("Drag: stroke along the creases     Ctrl + drag: erase     ") + kBrush;
+      break;
+    case Tool::kGuide:
+      text = "Drag: draw along a crease     Ctrl + click: remove a curve     Alt + drag: orbit     Q: done";
+      break;
+  }
+  const float size = 0.87f * em(), pad = 0.7f * em();
+  const float width = ImGui::GetFont()->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
+  if (width + 2.0f * pad > high.x - low.x) return;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 at = {std::floor(low.x + pad), std::floor(high.y - pad - size)};
+  list->AddRectFilled({at.x - 0.4f * em(), at.y - 0.2f * em()},
+                      {at.x + width + 0.4f * em(), at.y + size + 0.25f * em()}, IM_COL32(14, 15, 17, 130),
+                      0.3f * em());
+  list->AddText(ImGui::GetFont(), size, at, Colors::kDim, text.c_str());
 }
 
 void Viewport::drawDivider(State& state, ImVec2 low, ImVec2 high) {
@@ -307,9 +365,11 @@ void Viewport::drawDivider(State& state, ImVec2 low, ImVec2 high) {
   ImGui::SetCursorScreenPos({x - grip, low.y});
   ImGui::InvisibleButton("##divider", {2.0f * grip, high.y - low.y});
   mark("divider", {x - grip, low.y}, {x + grip, high.y});
-  tooltip("Drag to show more of one side (0 to 100% of the width)");
+  tooltip("Drag to show more of one side, 2 to 98% of the width  (Ctrl+Left, Ctrl+Right)");
   const bool held = ImGui::IsItemActive(), near = held || ImGui::IsItemHovered();
-  if (held) state.divider = std::clamp((ImGui::GetIO().MousePos.x - low.x) / (high.x - low.x), 0.02f, 0.98f);
+  if (held)
+    state.divider = std::clamp((ImGui::GetIO().MousePos.x - low.x) / (high.x - low.x), kLeastDivider,
+                               1.0f - kLeastDivider);
   if (near) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float line = std::floor(low.x + (high.x - low.x) * state.divider);
@@ -342,7 +402,7 @@ void Viewport::drawLabels(const State& state, ImVec2 low, ImVec2 high) const {
                         IM_COL32(14, 15, 17, 170), 0.3f * em());
     list->AddText(at, Colors::kText, text.c_str());
     drawLegend(state, look,
-               {side == 1 || !state.split ? high.x - 11.0f * em() : low.x + pad, high.y - 2.6f * em()});
+               {side == 1 || !state.split ? high.x - 11.0f * em() : low.x + pad, high.y - 4.4f * em()});
   }
 }
 

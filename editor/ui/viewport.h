@@ -51,6 +51,9 @@ struct Projection {
   ImVec2 low_, size_;
 };
 
+// Moves the camera and what it looks at, in heights of the picture.
+void panCamera(preview::Camera& camera, float right, float up);
+
 class Viewport {
  public:
   // Fills the current window. `frame` is that of the shown asset, null if there is none.
@@ -66,6 +69,8 @@ class Viewport {
  private:
   void moveCamera(State& state, ImVec2 size, bool hovered);
   void drawLabels(const State& state, ImVec2 low, ImVec2 high) const;
+  void drawCooking(const State& state, ImVec2 low, ImVec2 high) const;
+  void drawHint(const State& state, ImVec2 low, ImVec2 high) const;
   void drawDivider(State& state, ImVec2 low, ImVec2 high);
   void drawLegend(const State& state, const Look& look, ImVec2 at) const;
   void fit(State& state, const preview::PosedFrame& frame, std::span<const Float3> positions);

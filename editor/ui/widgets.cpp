@@ -58,8 +58,8 @@ bool applyTheme(float scale) {
   for (const char* file : kFonts) {
     std::error_code ignored;
     if (found || !std::filesystem::exists(file, ignored)) continue;
-    static const ImWchar ranges[] = {0x20,   0xff,   0x3b1,  0x3bb,  0x2013, 0x2026,
-                                     0x2190, 0x2193, 0x25a0, 0x25ff, 0};
+    static const ImWchar ranges[] = {0x20,   0xff,   0x3b1,  0x3bb,  0x2013, 0x2026, 0x2190,
+                                     0x2193, 0x21b6, 0x21b7, 0x25a0, 0x25ff, 0};
     ImFontConfig config;
     config.OversampleH = 2;
     found = io.Fonts->AddFontFromFileTTF(file, pixels, &config, ranges) != nullptr;
@@ -205,12 +205,40 @@ bool checkbox(const char* id, const char* label, bool& value, const char* tip) {
   return done(id, tip, ImGui::Checkbox(hidden(id).c_str(), &value));
 }
 
+bool bareSlider(const char* id, float& value, float low, float high, const char* format, const char* tip,
+                ImGuiSliderFlags flags) {
+  const bool logarithmic = (flags & ImGuiSliderFlags_Logarithmic) != 0;
+  const auto part = [&](float at) {
+    at = std::clamp(at, low, high);
+    return logarithmic ? std::log(at / low) / std::log(high / low) : (at - low) / (high - low);
+  };
+  const ImVec2 at = ImGui::GetCursorScreenPos(), size = {ImGui::CalcItemWidth(), ImGui::GetFrameHeight()};
+  const ImVec2 end = {at.x + size.x, at.y + size.y};
+  const float zero = low < 0.0f && high > 0.0f ? part(0.0f) : 0.0f, now = part(value);
+  const float from = at.x + size.x * std::min(zero, now), to = at.x + size.x * std::max(zero, now);
+  const float rounding = ImGui::GetStyle().FrameRounding;
+  const bool near = ImGui::IsWindowHovered(ImGuiHoveredFlags_AllowWhenBlockedByActiveItem) &&
+                    ImGui::IsMouseHoveringRect(at, end);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, end, ImGui::GetColorU32(near ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg),
+                      rounding);
+  list->AddRectFilled({from, at.y}, {to, end.y}, ImGui::GetColorU32(ImGuiCol_SliderGrab, 0.36f), rounding);
+  const float handle = std::clamp(at.x + size.x * now, at.x + 1.0f, end.x - 1.0f);
+  list->AddLine({handle, at.y + 1.0f}, {handle, end.y - 1.0f},
+                ImGui::GetColorU32(ImGuiCol_SliderGrabActive, near ? 1.0f : 0.75f), 0.1f * em());
+  for (const ImGuiCol color : {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive,
+                               ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
+    ImGui::PushStyleColor(color, 0u);
+  const bool used =
+      ImGui::SliderFloat(hidden(id).c_str(), &value, low, high, format, flags | ImGuiSliderFlags_AlwaysClamp);
+  ImGui::PopStyleColor(5);
+  return done(id, tip, used);
+}
+
 bool slider(const char* id, const char* label, float& value, float low, float high, const char* format,
             const char* tip, ImGuiSliderFlags flags) {
   row(label);
-  return done(id, tip,
-              ImGui::SliderFloat(hidden(id).c_str(), &value, low, high, format,
-                                 flags | ImGuiSliderFlags_AlwaysClamp));
+  return bareSlider(id, value, low, high, format, tip, flags);
 }
 
 bool integer(const char* id, const char* label, int& value, int low, int high, const char* tip) {

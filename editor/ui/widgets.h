@@ -45,6 +45,10 @@ bool button(const char* id, const char* label, const char* tip, bool enabled = t
 // A button that stays down while `on`.
 bool toggle(const char* id, const char* label, bool on, const char* tip, bool enabled = true);
 
+// Filled from its lower end, or from 0, up to its value; no label.
+bool bareSlider(const char* id, float& value, float low, float high, const char* format, const char* tip,
+                ImGuiSliderFlags flags = 0);
+
 // A label in the left column of the panel, a widget in the right one.
 bool checkbox(const char* id, const char* label, bool& value, const char* tip);
 bool slider(const char* id, const char* label, float& value, float low, float high, const char* format,

@@ -164,10 +164,12 @@ void runWindow(const Options& options, Settings& settings) {
   if (!options.size.empty()) parseSize(options.size, settings.width, settings.height);
   Window window(settings.width, settings.height);
   float scale = 0.0f;
+  Session session;
+  ui::Editor editor(session, settings);
+  if (options.scale > 0.0f) editor.state().scale = options.scale;
   const auto rescale = [&] {
-    const float wanted = options.scale > 0.0f    ? options.scale
-                         : settings.scale > 0.0f ? settings.scale
-                                                 : window.scale();
+    editor.state().screen_scale = window.scale();
+    const float wanted = editor.state().scale > 0.0f ? editor.state().scale : window.scale();
     if (wanted == scale) return;
     scale = wanted;
     ui::applyTheme(scale);
@@ -175,8 +177,6 @@ void runWindow(const Options& options, Settings& settings) {
     ImGui_ImplOpenGL3_CreateFontsTexture();
   };
   rescale();
-  Session session;
-  ui::Editor editor(session, settings);
   glfwSetWindowUserPointer(window.handle(), &editor);
   glfwSetDropCallback(window.handle(), [](GLFWwindow* dropped, int count, const char** files) {
     if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->open(files[0]);

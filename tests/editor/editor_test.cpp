@@ -190,6 +190,7 @@ expect no error
 
 TEST_F(EditorTest, AFaultShowsInTheListAndTheLastGoodStateStays) {
   expectPlays(sheet() + R"(
+click section.response
 click layer.mask
 click layer.mask.Attribute
 wait
