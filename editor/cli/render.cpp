@@ -1,5 +1,6 @@
 #include <charconv>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "editor/cli/commands.h"
@@ -29,7 +30,8 @@ const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::k
 struct Options {
   std::string asset, out, size = "1024x1024", layer;
   std::string shading, lighting = "ggx", view = "beauty";
-  float yaw = 0.0f, pitch = 0.0f, zoom = 1.0f;
+  std::optional<float> yaw, pitch;
+  float zoom = 1.0f;
   std::vector<float> target;
   PoseOptions pose;
 };
@@ -77,9 +79,11 @@ void run(const Options& options) {
   if (const Status status = deform.validate(); !status.ok())
     throw Error(Exit::kBadData, options.asset, status.message, "cook it again");
   deform.run(0, asset.vertexCount());
+  const preview::Facing facing =
+      options.yaw || options.pitch ? preview::Facing() : preview::facing(posed, asset.indices);
   render.camera =
       preview::fitCamera(posed, static_cast<float>(render.width) / static_cast<float>(render.height),
-                         options.yaw, options.pitch);
+                         options.yaw.value_or(facing.yaw), options.pitch.value_or(facing.pitch));
   render.camera.distance /= options.zoom;
   if (options.target.size() == 3)
     render.camera.target = {static_cast<float>(options.target[0] - frame.origin[0]),
@@ -115,7 +119,10 @@ Command addRender(CLI::App& app) {
   command->add_option("--layer", options->layer,
                       "Layer that the views of one layer show (default: the first)");
   command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels (default 1024x1024)");
-  command->add_option("--yaw", options->yaw, "Orbit to the side in degrees; 0 shows the front")
+  command
+      ->add_option(
+          "--yaw", options->yaw,
+          "Orbit to the side in degrees; 0 shows the front (default: a sheet seen edge-on shows its side)")
       ->check(CLI::Range(-360.0, 360.0));
   command->add_option("--pitch", options->pitch, "Orbit upwards in degrees")->check(CLI::Range(-89.0, 89.0));
   command->add_option("--zoom", options->zoom, "Nearer (above 1) or farther than what fits the picture")

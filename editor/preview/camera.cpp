@@ -9,6 +9,10 @@ namespace furrow::preview {
 namespace {
 
 constexpr float kMargin = 1.06f;
+// A surface whose areas add up to this much of their sum is a sheet; less than this of it seen from the front
+// is edge-on.
+constexpr double kSheet = 0.8, kEdgeOn = 0.25;
+constexpr float kLargestPitch = 89.0f;
 // Depth range about the target, in distances from it.
 constexpr float kNear = 0.02f, kFar = 50.0f;
 
@@ -30,6 +34,25 @@ CameraFrame cameraFrame(const Camera& camera, float aspect) {
                                            camera.distance * kNear, camera.distance * kFar) *
                           glm::lookAt(frame.eye, target, frame.up);
   return frame;
+}
+
+Facing facing(std::span<const Float3> positions, std::span<const uint32_t> indices) {
+  const auto at = [&](uint32_t v) { return glm::dvec3(positions[v].x, positions[v].y, positions[v].z); };
+  glm::dvec3 sum(0.0);
+  double area = 0.0;
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    const glm::dvec3 a = at(indices[i]);
+    const glm::dvec3 normal = glm::cross(at(indices[i + 1]) - a, at(indices[i + 2]) - a);
+    if (!std::isfinite(normal.x + normal.y + normal.z)) continue;
+    sum += normal;
+    area += glm::length(normal);
+  }
+  const double length = glm::length(sum);
+  if (!(length > kSheet * area) || std::abs(sum.z) > kEdgeOn * length) return {};
+  const auto degrees = [](double radians) { return static_cast<float>(glm::degrees(radians)); };
+  const float pitch = degrees(std::asin(sum.y / length));
+  return {std::abs(pitch) < kLargestPitch ? degrees(std::atan2(sum.x, sum.z)) : 0.0f,
+          std::clamp(pitch, -kLargestPitch, kLargestPitch)};
 }
 
 Camera fitCamera(std::span<const Float3> positions, float aspect, float yaw, float pitch) {

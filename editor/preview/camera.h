@@ -17,6 +17,13 @@ struct Camera {
   float field_of_view = 30.0f;  // vertical, degrees
 };
 
+// From where a surface shows when nobody says: its front, yaw and pitch 0. A sheet (cloth laid on the floor,
+// a terrain) that would be seen edge-on from there shows the side of its normal.
+struct Facing {
+  float yaw = 0.0f, pitch = 0.0f;
+};
+Facing facing(std::span<const Float3> positions, std::span<const uint32_t> indices);
+
 // Fits posed positions tightly into a picture of width / height `aspect`, with a margin. Positions that are
 // not finite are left out.
 Camera fitCamera(std::span<const Float3> positions, float aspect, float yaw, float pitch);

@@ -253,7 +253,12 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   list->AddRectFilled(low, high, IM_COL32(26, 27, 29, 255));
   const std::shared_ptr<Shown>& shown = state.session.shown();
   if (!shown || !frame) return drawCooking(state, low, high);
-  if (!state.framed) frameAll(state, *frame);
+  if (!state.framed) {
+    const preview::Facing facing = preview::facing(shown->view().positions, shown->view().indices);
+    state.camera.yaw = facing.yaw;
+    state.camera.pitch = facing.pitch;
+    frameAll(state, *frame);
+  }
 
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
   const auto width = static_cast<uint32_t>(std::clamp(size.x * pixels.x, 1.0f, float{kLargestPicture})),

@@ -360,6 +360,26 @@ TEST(CameraTest, YawZeroSeesTheFront) {
   EXPECT_NEAR(preview::cameraFrame({.pitch = 90.0f}, 1.0f).eye.y, 1.0f, 1e-6f);
 }
 
+TEST(CameraTest, ASheetIsNotSeenEdgeOn) {
+  const std::vector<uint32_t> indices = {0, 1, 2, 0, 2, 3}, back = {0, 2, 1, 0, 3, 2};
+  const std::vector<Float3> floor = {{0, 5, 0}, {0, 5, 1}, {1, 5, 1}, {1, 5, 0}};
+  const std::vector<Float3> side = {{5, 0, 0}, {5, 1, 0}, {5, 1, 1}, {5, 0, 1}};
+  const std::vector<Float3> front = {{0, 0, 5}, {1, 0, 5}, {1, 1, 5}, {0, 1, 5}};
+  EXPECT_EQ(preview::facing(floor, indices).pitch, 89.0f);
+  EXPECT_EQ(preview::facing(floor, indices).yaw, 0.0f);
+  EXPECT_EQ(preview::facing(floor, back).pitch, -89.0f);
+  EXPECT_NEAR(preview::facing(side, indices).yaw, 90.0f, 1e-4f);
+  EXPECT_NEAR(preview::facing(side, back).yaw, -90.0f, 1e-4f);
+  EXPECT_EQ(preview::facing(side, indices).pitch, 0.0f);
+  for (const auto& faces : {indices, back}) {
+    EXPECT_EQ(preview::facing(front, faces).yaw, 0.0f);
+    EXPECT_EQ(preview::facing(front, faces).pitch, 0.0f);
+  }
+  const BallAsset ball({.maps = false});
+  EXPECT_EQ(preview::facing(ball.view().positions, ball.view().indices).yaw, 0.0f);
+  EXPECT_EQ(preview::facing({}, {}).pitch, 0.0f);
+}
+
 TEST(CameraTest, LeavesOutWhatIsNotFinite) {
   const std::vector<Float3> positions = {{0, 0, 0}, {1, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}};
   const preview::Camera camera = preview::fitCamera(positions, 1.0f, 0.0f, 0.0f);
