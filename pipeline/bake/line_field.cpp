@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "pipeline/bake/intrinsic_delaunay.h"
 #include "pipeline/bake/multigrid.h"
 #include "pipeline/bake/rest_view.h"
 
@@ -75,22 +76,27 @@ void LineField::add(size_t triangle, glm::dvec3 barycentric, Complex line, doubl
 
 DirectionField LineField::solve() const {
   const int count = static_cast<int>(point_.size());
-  // Cotangents of an edge's two angles, in the upper triangle.
-  std::vector<Eigen::Triplet<double>> cotangents;
-  cotangents.reserve(3 * surface_.triangles.size());
+  std::vector<IntrinsicTriangle> triangles;
   for (size_t t = 0; t < surface_.triangles.size(); ++t) {
     if (!covered_[t] || isDegenerate(restView(surface_), t)) continue;
     const glm::uvec3 p = surface_.trianglePoints(t);
+    IntrinsicTriangle& triangle = triangles.emplace_back();
     for (int c = 0; c < 3; ++c) {
-      const uint32_t i = p[(c + 1) % 3], j = p[(c + 2) % 3];
-      const glm::dvec3 at = surface_.point_positions[p[c]];
-      const glm::dvec3 e = glm::dvec3(surface_.point_positions[i]) - at,
-                       f = glm::dvec3(surface_.point_positions[j]) - at;
-      const double cot = glm::dot(e, f) / glm::length(glm::cross(e, f));
-      const auto [low, high] = std::minmax(unknown_[i], unknown_[j]);
-      cotangents.push_back({low, high, 0.5 * cot});
+      triangle.corners[c] = static_cast<uint32_t>(unknown_[p[c]]);
+      triangle.lengths[c] = glm::distance(glm::dvec3(surface_.point_positions[p[(c + 1) % 3]]),
+                                          glm::dvec3(surface_.point_positions[p[(c + 2) % 3]]));
     }
   }
+  makeDelaunay(triangles);
+  // Cotangents of an edge's two angles, in the upper triangle.
+  std::vector<Eigen::Triplet<double>> cotangents;
+  cotangents.reserve(3 * triangles.size());
+  for (const IntrinsicTriangle& triangle : triangles)
+    for (int c = 0; c < 3; ++c) {
+      const auto [low, high] = std::minmax(triangle.corners[(c + 1) % 3], triangle.corners[(c + 2) % 3]);
+      if (low != high)
+        cotangents.push_back({static_cast<int>(low), static_cast<int>(high), 0.5 * triangle.cotangent(c)});
+    }
   Eigen::SparseMatrix<double, Eigen::RowMajor> edges(count, count);
   edges.setFromTriplets(cotangents.begin(), cotangents.end());
 

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <map>
 #include <numbers>
 
 #include "pipeline/bake/image_directions.h"
+#include "pipeline/bake/intrinsic_delaunay.h"
 #include "pipeline/bake/nearest.h"
 #include "sheets.h"
 
@@ -405,12 +407,14 @@ TEST(LineField, PlacesWithoutEvidenceAreFilledAndLessSure) {
   EXPECT_LT(field.confidence[15 * 31 + 30], 0.25f);
 }
 
-// The same bump, squeezed the same way, in coarse and in fine triangles of other shapes.
+// The same bump, squeezed the same way, in coarse and in fine triangles of other shapes, and in rows that are
+// pushed along each other until most triangles are obtuse.
 TEST(LineField, IsOfTheSurfaceAndNotOfItsTriangles) {
   const auto height = [](glm::dvec2 p) { return 0.35 * std::exp(-6.0 * glm::dot(p - 0.5, p - 0.5)); };
-  const auto field = [&](uint32_t columns, uint32_t rows, double uneven, Surface& surface) {
+  const auto field = [&](uint32_t columns, uint32_t rows, double uneven, double pushed, Surface& surface) {
     surface = grid(columns, rows, [&](double u, double v) {
-      const glm::dvec2 p(u + uneven * std::sin(2.0 * kPi * u) * std::sin(kPi * v),
+      const double push = pushed * std::sin(kPi * u) * std::sin(6.0 * kPi * v);
+      const glm::dvec2 p(u + uneven * std::sin(2.0 * kPi * u) * std::sin(kPi * v) + push,
                          v + uneven * std::sin(4.0 * kPi * v));
       return glm::dvec3(p, height(p));
     });
@@ -427,21 +431,113 @@ TEST(LineField, IsOfTheSurfaceAndNotOfItsTriangles) {
     }
     return directionsFromTensors(surface, all(surface), tensors);
   };
-  Surface coarse, fine;
-  const DirectionField from_coarse = field(24, 31, 0.0, coarse), from_fine = field(110, 80, 0.05, fine);
+  Surface fine;
+  const DirectionField from_fine = field(110, 80, 0.05, 0.0, fine);
   const NearestTriangle nearest(fine, all(fine));
-  double most = 0.0, most_confidence = 0.0;
-  for (size_t p = 0; p < coarse.point_positions.size(); ++p) {
-    const auto found = nearest.find(coarse.point_positions[p]);
-    const glm::uvec3 corners = fine.trianglePoints(found.triangle);
-    const int c = found.barycentric.x > 0.4 ? 0 : found.barycentric.y > 0.4 ? 1 : 2;
-    if (from_coarse.confidence[p] > 0.3f)
-      most = std::max(most, apart(from_coarse.direction[p], from_fine.direction[corners[c]]));
-    most_confidence = std::max(
-        most_confidence, std::abs(double{from_coarse.confidence[p]} - from_fine.confidence[corners[c]]));
+  for (const double pushed : {0.0, 0.1}) {
+    Surface coarse;
+    const DirectionField from_coarse = field(24, 31, 0.0, pushed, coarse);
+    double most = 0.0, most_confidence = 0.0;
+    for (size_t p = 0; p < coarse.point_positions.size(); ++p) {
+      const auto found = nearest.find(coarse.point_positions[p]);
+      const glm::uvec3 corners = fine.trianglePoints(found.triangle);
+      const int c = found.barycentric.x > 0.4 ? 0 : found.barycentric.y > 0.4 ? 1 : 2;
+      if (from_coarse.confidence[p] > 0.3f)
+        most = std::max(most, apart(from_coarse.direction[p], from_fine.direction[corners[c]]));
+      most_confidence = std::max(
+          most_confidence, std::abs(double{from_coarse.confidence[p]} - from_fine.confidence[corners[c]]));
+    }
+    EXPECT_LT(most, 5.0) << pushed;
+    EXPECT_LT(most_confidence, 0.1) << pushed;
   }
-  EXPECT_LT(most, 5.0);
-  EXPECT_LT(most_confidence, 0.1);
+}
+
+// ---- intrinsic Delaunay triangulation ----
+
+std::vector<IntrinsicTriangle> intrinsic(const Surface& surface) {
+  std::vector<IntrinsicTriangle> triangles;
+  for (size_t t = 0; t < surface.triangles.size(); ++t) {
+    const glm::uvec3 p = surface.trianglePoints(t);
+    IntrinsicTriangle& triangle = triangles.emplace_back();
+    for (int c = 0; c < 3; ++c) {
+      triangle.corners[c] = p[c];
+      triangle.lengths[c] = glm::distance(glm::dvec3(surface.positions[surface.triangles[t][(c + 1) % 3]]),
+                                          glm::dvec3(surface.positions[surface.triangles[t][(c + 2) % 3]]));
+    }
+  }
+  return triangles;
+}
+
+double areaOf(const std::vector<IntrinsicTriangle>& triangles) {
+  double area = 0.0;
+  for (const IntrinsicTriangle& t : triangles)  // sum of a^2 cot(alpha) is four times the area
+    for (int c = 0; c < 3; ++c) area += 0.25 * t.lengths[c] * t.lengths[c] * t.cotangent(c);
+  return area;
+}
+
+double leastWeight(const std::vector<IntrinsicTriangle>& triangles) {
+  std::map<std::array<uint32_t, 2>, std::vector<double>> cotangents;
+  for (const IntrinsicTriangle& t : triangles)
+    for (int c = 0; c < 3; ++c) {
+      const uint32_t a = t.corners[(c + 1) % 3], b = t.corners[(c + 2) % 3];
+      cotangents[{std::min(a, b), std::max(a, b)}].push_back(t.cotangent(c));
+    }
+  double least = INFINITY;
+  for (const auto& [edge, two] : cotangents)
+    if (two.size() == 2) least = std::min(least, two[0] + two[1]);
+  return least;
+}
+
+// A sheared sheet, and the same rolled to a cylinder: what is flipped on it must go around it.
+TEST(IntrinsicDelaunay, LengthsAreThoseWithinTheSurface) {
+  constexpr uint32_t kColumns = 30, kRows = 12;
+  constexpr double kRadius = 1.0;
+  const auto flat = [](double u, double v) { return glm::dvec2(2.0 * u + 1.3 * v, v); };
+  for (const bool rolled : {false, true}) {
+    const Surface surface = grid(kColumns, kRows, [&](double u, double v) {
+      const glm::dvec2 p = flat(u, v);
+      return rolled ? glm::dvec3(kRadius * std::sin(p.x / kRadius), p.y, kRadius * std::cos(p.x / kRadius))
+                    : glm::dvec3(p, 0.0);
+    });
+    std::vector<IntrinsicTriangle> triangles = intrinsic(surface);
+    const double area = areaOf(triangles);
+    EXPECT_LT(leastWeight(triangles), -0.1);
+    makeDelaunay(triangles);
+    EXPECT_EQ(triangles.size(), surface.triangles.size());
+    EXPECT_NEAR(areaOf(triangles), area, 1e-6 * area);
+    EXPECT_GT(leastWeight(triangles), -1e-6);
+    size_t flipped = 0;
+    for (const IntrinsicTriangle& t : triangles)
+      for (int c = 0; c < 3; ++c) {
+        const uint32_t a = t.corners[(c + 1) % 3], b = t.corners[(c + 2) % 3];
+        const glm::dvec2 from = flat(surface.uvs[a].x, surface.uvs[a].y),
+                         to = flat(surface.uvs[b].x, surface.uvs[b].y);
+        EXPECT_NEAR(t.lengths[c], glm::distance(from, to), (rolled ? 2e-2 : 1e-5) * t.lengths[c]);
+        const uint32_t step = std::max(a, b) - std::min(a, b);
+        flipped += step > 1 && step <= kColumns;
+      }
+    EXPECT_GT(flipped, 0u);
+  }
+}
+
+// Three triangles at an edge, a side against its like, and a fan whose flips fold a triangle onto itself.
+TEST(IntrinsicDelaunay, KeepsWhatCannotBeFlipped) {
+  const IntrinsicTriangle flat{{0, 1, 2}, {1.0, 1.0, 1.9}};
+  IntrinsicTriangle other = flat;
+  other.corners = {1, 0, 3};
+  std::vector<IntrinsicTriangle> three = {flat, other, other}, same_way = {flat, flat};
+  three[2].corners[2] = 4;
+  same_way[1].corners[2] = 3;
+  for (std::vector<IntrinsicTriangle>* triangles : {&three, &same_way}) {
+    const std::vector<IntrinsicTriangle> before = *triangles;
+    makeDelaunay(*triangles);
+    for (size_t t = 0; t < before.size(); ++t) EXPECT_EQ((*triangles)[t].corners, before[t].corners);
+  }
+  std::vector<IntrinsicTriangle> tent;  // closed around its top, so steep that its rim's points are far apart
+  for (uint32_t i = 0; i < 3; ++i) tent.push_back({{3, i, (i + 1) % 3}, {1.9, 1.0, 1.0}});
+  const double area = areaOf(tent);
+  makeDelaunay(tent);
+  EXPECT_NEAR(areaOf(tent), area, 1e-9);
 }
 
 }  // namespace

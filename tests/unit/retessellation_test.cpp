@@ -5,10 +5,11 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <map>
-#include <numbers>
 #include <vector>
 
 #include "pipeline/cook/cook.h"
@@ -46,41 +47,83 @@ Baked bake(SourceScene scene) {
   return baked;
 }
 
-struct Direction {
-  glm::dvec3 line;
+// What a layer's field is at a point: the tangent plane, a line in it, and how sure it is.
+struct Line {
+  glm::dvec3 normal, direction;
   double confidence = 0.0;
 };
 
-Direction directionAt(const Baked& baked, uint32_t point) {
-  const int8_t* d = &baked.asset.view().layers[0].directions[4 * size_t{point}];
-  return {glm::normalize(glm::dvec3(d[0], d[1], d[2])), d[3] / 127.0};
+std::vector<Line> linesOf(const AssetView& view) {
+  std::vector<Line> lines(view.pointCount(), Line{glm::dvec3(0.0), glm::dvec3(0.0)});
+  for (size_t i = 0; i + 2 < view.indices.size(); i += 3) {
+    std::array<glm::dvec3, 3> p;
+    for (int c = 0; c < 3; ++c) {
+      const Float3 at = view.positions[view.indices[i + c]];
+      p[c] = {at.x, at.y, at.z};
+    }
+    for (int c = 0; c < 3; ++c)
+      lines[view.vertex_point[view.indices[i + c]]].normal += glm::cross(p[1] - p[0], p[2] - p[0]);
+  }
+  for (size_t point = 0; point < lines.size(); ++point) {
+    const int8_t* d = &view.layers[0].directions[4 * point];
+    lines[point].normal = glm::normalize(lines[point].normal);
+    lines[point].direction = glm::normalize(glm::dvec3(d[0], d[1], d[2]));
+    lines[point].confidence = d[3] / 127.0;
+  }
+  return lines;
 }
 
+// Degrees between two lines whose planes are laid into each other by the least rotation: a coarser surface
+// cuts corners, which tilts its planes by up to 80 degrees in the fold of a lid.
+double apart(const Line& a, const Line& b) {
+  const double facing = glm::dot(a.normal, b.normal);
+  const glm::dvec3 normal = facing < 0.0 ? -b.normal : b.normal, axis = glm::cross(normal, a.normal);
+  const double c = std::abs(facing);
+  const glm::dvec3 turned =
+      c * b.direction + glm::cross(axis, b.direction) + axis * (glm::dot(axis, b.direction) / (1.0 + c));
+  return glm::degrees(std::acos(std::min(1.0, std::abs(glm::dot(a.direction, turned)))));
+}
+
+// As complex numbers of twice the angle and the length of the confidence, of which the field is made.
+double difference(const Line& a, const Line& b) {
+  const double turn = std::cos(2.0 * glm::radians(apart(a, b)));
+  return std::sqrt(a.confidence * a.confidence + b.confidence * b.confidence -
+                   2.0 * a.confidence * b.confidence * turn);
+}
+
+// Wherever the expressions squeeze the face (half of the automatic mask). A line field that follows a face
+// has singular points, in which its length, the confidence, is 0 and around which the lines turn by half a
+// turn [Knoeppel et al. 2013]; moved by a hair, it turns the lines beside it by any angle. So where it is
+// short, what must agree is the field.
 TEST(Retessellation, TheSameFaceAtTwoResolutionsBakesTheSameDirections) {
-  SourceScene fine = import(FURROW_CONTENT "/face.glb");
-  for (Primitive& primitive : fine.primitives) coarsen(primitive, 0.5);
-  SourceScene coarse = fine;
+  SourceScene fine = import(FURROW_CONTENT "/face.glb"), coarse = fine;
   for (Primitive& primitive : coarse.primitives) coarsen(primitive, 0.5);
   const Baked a = bake(std::move(fine)), b = bake(std::move(coarse));
+  const std::vector<Line> fine_lines = linesOf(a.asset.view()), coarse_lines = linesOf(b.asset.view());
 
-  // Of the points that the expressions squeeze (half of the automatic mask) and where both are this sure of
-  // the direction, the share that agrees within 5 degrees. What is left lies where directions cross.
-  const auto agreeing = [&](double confidence) {
-    size_t points = 0, agree = 0;
-    for (const auto& [source, point] : b.point_of_source) {
-      const AssetView& view = a.asset.view();
-      const uint32_t there = a.point_of_source.at(source);
-      if (view.layers[0].mask[view.point_vertex[there]] < 128) continue;
-      const Direction d = directionAt(a, there), e = directionAt(b, point);
-      if (std::min(d.confidence, e.confidence) < confidence) continue;
-      ++points;
-      agree += std::abs(glm::dot(d.line, e.line)) >= std::cos(5.0 * std::numbers::pi / 180.0);
+  size_t all = 0, sure = 0, all_agree = 0, sure_agree = 0;
+  for (const auto& [source, point] : b.point_of_source) {
+    const AssetView& view = a.asset.view();
+    const uint32_t there = a.point_of_source.at(source);
+    if (view.layers[0].mask[view.point_vertex[there]] < 128) continue;
+    const Line &line = fine_lines[there], &other = coarse_lines[point];
+    const double confidence = std::min(line.confidence, other.confidence), degrees = apart(line, other);
+    ++all;
+    all_agree += degrees <= 5.0;
+    if (confidence >= 0.1) {
+      ++sure;
+      sure_agree += degrees <= 5.0;
     }
-    EXPECT_GT(points, 200u);
-    return static_cast<double>(agree) / static_cast<double>(points);
+    EXPECT_TRUE(degrees <= 5.0 || (confidence < 0.35 && difference(line, other) <= 0.15))
+        << source << ": " << degrees << " degrees at confidence " << confidence;
+  }
+  const auto share = [](size_t part, size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
   };
-  EXPECT_GT(agreeing(0.25), 0.9);
-  EXPECT_GT(agreeing(0.5), 0.95);
+  EXPECT_GT(all, 1000u);
+  EXPECT_GT(share(sure, all), 0.8);
+  EXPECT_GT(share(sure_agree, sure), 0.99);
+  EXPECT_GT(share(all_agree, all), 0.96);
 }
 
 }  // namespace
