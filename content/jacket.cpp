@@ -24,11 +24,14 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
-constexpr double kHem = -38.5, kCuff = 49.5, kUpperArm = 28.0, kNeck = 7.6;
+constexpr double kHem = -38.5, kCuff = 49.5, kUpperLength = 28.0, kNeck = 7.6;
 constexpr dvec3 kShoulder{17.5, 8.0, -1.0}, kNeckMiddle{0.0, 0.0, -1.6};
 
 enum JacketMaterial : uint32_t { kCloth, kKnit, kZip };
-enum Joint : uint8_t { kHips, kSpine, kChest, kUpperLeft, kForeLeft, kUpperRight, kForeRight };
+// Joints; a shoulder and an elbow turn half as far as what they carry, so that the cloth about them keeps its
+// thickness. Of the right arm: kArmJoints further on.
+enum Joint : uint8_t { kHips, kSpine, kChest, kShoulderHalf, kUpperArm, kElbowHalf, kForeArm };
+constexpr uint8_t kArmJoints = 4;
 
 double gauss(double x) {
   return std::exp(-x * x);
@@ -37,7 +40,7 @@ double gauss(double x) {
 // The left arm hangs away from the body: down its upper arm, then along the forearm, which comes forward.
 struct Arm {
   dvec3 upper = glm::normalize(dvec3(0.80, -0.60, 0.0)), fore = glm::normalize(dvec3(0.72, -0.64, 0.27));
-  dvec3 elbow = kShoulder + kUpperArm * upper, wrist = elbow + 25.0 * fore;
+  dvec3 elbow = kShoulder + kUpperLength * upper, wrist = elbow + 25.0 * fore;
 };
 const Arm kArm;
 
@@ -68,8 +71,8 @@ Place placeOf(dvec3 p) {
   Place place;
   place.side = p.x < 0 ? -1 : 1;
   const double upper = glm::dot(m - kShoulder, kArm.upper), fore = glm::dot(m - kArm.elbow, kArm.fore);
-  const double beyond = smoothRamp(kUpperArm - 6, kUpperArm + 6, upper);
-  place.along = glm::mix(upper, kUpperArm + fore, beyond);
+  const double beyond = smoothRamp(kUpperLength - 6, kUpperLength + 6, upper);
+  place.along = glm::mix(upper, kUpperLength + fore, beyond);
   place.axis = glm::normalize(glm::mix(kArm.upper, kArm.fore, beyond));
   place.sleeve =
       smoothRamp(5.5, -5.5, armDistance(m) - torsoDistance(m)) * smoothRamp(-9.0, 7.0, place.along);
@@ -90,7 +93,7 @@ double distance(dvec3 p) {
        0.9 * place.sleeve * gauss((place.along - kCuff + 4.5) / 3.6);
   const double drape = valueNoise(dvec3(m.x * 0.13, m.y * 0.07, p.z * 0.13) + dvec3(3)) * 0.55 * body +
                        valueNoise(m * 0.16 + dvec3(11)) * 0.45 * place.sleeve;
-  const double elbow = 0.28 * place.sleeve * gauss((place.along - kUpperArm) / 8.0) *
+  const double elbow = 0.28 * place.sleeve * gauss((place.along - kUpperLength) / 8.0) *
                        std::sin(2 * kPi * place.along / 5.2 + 1.2 * std::sin(2 * place.turn + 0.6));
   const double armpit = 0.22 * gauss((place.along - 5.0) / 5.0) * smoothRamp(2.0, -6.0, p.y - 4.0) *
                         std::sin(1.25 * (m.x + 0.6 * m.y));
@@ -294,7 +297,7 @@ std::vector<Part> bands() {
     const dvec3 over = glm::normalize(glm::cross(dvec3(0, 0, 1), kArm.fore)),
                 forward = glm::cross(kArm.fore, over);
     const dvec3 out = std::cos(turn) * forward + std::sin(turn) * over;
-    const dvec3 middle = kArm.elbow + (kCuff - kUpperArm) * kArm.fore;
+    const dvec3 middle = kArm.elbow + (kCuff - kUpperLength) * kArm.fore;
     cuff.points.push_back(trace(middle + 15.0 * out, -out));
     cuff.away.push_back(kArm.fore);
   }
@@ -309,15 +312,26 @@ struct Influence {
 
 Influence influenceOf(dvec3 p) {
   const Place place = placeOf(p);
-  const double bend = smoothRamp(kUpperArm - 14.0, kUpperArm + 14.0, place.along) * place.sleeve;
-  const double spine = smoothRamp(-33.0, -17.0, p.y), chest = smoothRamp(-17.0, 1.0, p.y),
-               body = 1 - place.sleeve;
-  const bool left = place.side > 0;
-  std::array<std::pair<double, uint8_t>, 5> all{{{body * (1 - spine), kHips},
+  const double bend = smoothRamp(kUpperLength - 14.0, kUpperLength + 14.0, place.along) * place.sleeve;
+  const double spine = smoothRamp(-33.0, -17.0, p.y), chest = smoothRamp(-17.0, 1.0, p.y);
+  // From a joint at 0 by its helper to the next at 1.
+  const auto first = [](double t) { return std::max(0.0, 1 - 2 * t); };
+  const auto half = [](double t) { return 1 - std::abs(2 * t - 1); };
+  const auto last = [](double t) { return std::max(0.0, 2 * t - 1); };
+  // Over the shoulder the cloth gives way further than its seams reach.
+  const dvec3 m(std::abs(p.x), p.y, p.z);
+  const double arm_part =
+      smoothRamp(9.0, -9.0, armDistance(m) - torsoDistance(m)) * smoothRamp(-13.0, 11.0, place.along);
+  const double body = first(arm_part), limb = last(arm_part);
+  const uint8_t arm = place.side > 0 ? 0 : kArmJoints;
+  const auto joint = [&](Joint j) { return static_cast<uint8_t>(j + arm); };
+  std::array<std::pair<double, uint8_t>, 7> all{{{body * (1 - spine), kHips},
                                                  {body * spine * (1 - chest), kSpine},
                                                  {body * spine * chest, kChest},
-                                                 {place.sleeve * (1 - bend), left ? kUpperLeft : kUpperRight},
-                                                 {place.sleeve * bend, left ? kForeLeft : kForeRight}}};
+                                                 {half(arm_part), joint(kShoulderHalf)},
+                                                 {limb * first(bend), joint(kUpperArm)},
+                                                 {limb * half(bend), joint(kElbowHalf)},
+                                                 {limb * last(bend), joint(kForeArm)}}};
   std::ranges::sort(all, std::greater());
   double sum = 0;
   for (int k = 0; k < 4; ++k) sum += all[k].first;
@@ -343,7 +357,7 @@ void paint(Primitive& primitive, const std::vector<dvec3>& positions, const std:
     const Place place = placeOf(p);
     const double body = 1 - place.sleeve;
     const dvec3 axis = place.axis * dvec3(place.side, 1, 1);
-    const double elbow = place.sleeve * bump((place.along - kUpperArm) / 19.0);
+    const double elbow = place.sleeve * bump((place.along - kUpperLength) / 19.0);
     const double apart = armDistance({std::abs(p.x), p.y, p.z}) - torsoDistance({std::abs(p.x), p.y, p.z});
     const double shoulder = bump((place.along - 3.0) / 14.0) * smoothRamp(9.0, 2.0, apart);
     const double waist = body * bump((p.y + 19.0) / 17.0);
@@ -432,12 +446,16 @@ Scene buildJacket() {
                  {"hips", 0, metres(hips)},
                  {"spine", 1, metres(spine - hips)},
                  {"chest", 2, metres(chest - spine)},
+                 {"shoulderLeft", 3, metres(kShoulder - chest)},
                  {"upperArmLeft", 3, metres(kShoulder - chest)},
-                 {"foreArmLeft", 4, metres(kArm.elbow - kShoulder)},
+                 {"elbowLeft", 5, metres(kArm.elbow - kShoulder)},
+                 {"foreArmLeft", 5, metres(kArm.elbow - kShoulder)},
+                 {"shoulderRight", 3, metres(kShoulder * mirror - chest)},
                  {"upperArmRight", 3, metres(kShoulder * mirror - chest)},
-                 {"foreArmRight", 6, metres((kArm.elbow - kShoulder) * mirror)},
+                 {"elbowRight", 9, metres((kArm.elbow - kShoulder) * mirror)},
+                 {"foreArmRight", 9, metres((kArm.elbow - kShoulder) * mirror)},
                  {"Jacket", -1, {}, 0, true}};
-  scene.joints = {1, 2, 3, 4, 5, 6, 7};
+  scene.joints = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
   Mesh jacket;
   jacket.name = "Jacket";
   jacket.primitives.push_back(finish(cloth()));
@@ -452,11 +470,15 @@ Scene buildJacket() {
   const auto upAndDown = [](double t) {
     return t < 0.6 ? std::sin(kPi * t / 0.6) : -0.42 * std::sin(kPi * (t - 0.6) / 0.4);
   };
-  scene.clips = {swing("bend", 2.0, {{5, elbow, 85}, {7, elbow_right, 85}}, outAndBack),
-                 swing("raise", 3.0, {{4, {0, 0, 1}, 75}, {6, {0, 0, 1}, -75}}, upAndDown),
-                 swing("twist", 3.0, {{2, {0, 1, 0}, 22}, {3, {0, 1, 0}, 22}}, toBothSides),
-                 swing("lean", 2.0, {{2, {1, 0, 0}, 24}, {3, {1, 0, 0}, 20}}, outAndBack),
-                 swing("sway", 3.0, {{2, {0, 0, 1}, 15}, {3, {0, 0, 1}, 15}}, toBothSides)};
+  scene.clips = {
+      swing("bend", 2.0, {{6, elbow, 42.5}, {7, elbow, 85}, {10, elbow_right, 42.5}, {11, elbow_right, 85}},
+            outAndBack),
+      swing("raise", 3.0,
+            {{4, {0, 0, 1}, 37.5}, {5, {0, 0, 1}, 75}, {8, {0, 0, 1}, -37.5}, {9, {0, 0, 1}, -75}},
+            upAndDown),
+      swing("twist", 3.0, {{2, {0, 1, 0}, 22}, {3, {0, 1, 0}, 22}}, toBothSides),
+      swing("lean", 2.0, {{2, {1, 0, 0}, 24}, {3, {1, 0, 0}, 20}}, outAndBack),
+      swing("sway", 3.0, {{2, {0, 0, 1}, 15}, {3, {0, 0, 1}, 15}}, toBothSides)};
   return scene;
 }
 
