@@ -24,7 +24,7 @@ float measureTriangle(uint measure, vec3 e1, vec3 e2, vec3 c) {
     precise float spread = sqrt(halved * halved + f12 * f12);
     q = (0.5 * (f11 + f22) - spread) * frame.inverse_scale2;
   }
-  return q >= 0.0 ? min(q, 4.0) : 1.0;
+  return q >= 0.0 ? min(q, 4.0) : q < 0.0 ? 0.0 : 1.0;
 }
 
 uint coefficientCount(uint measure) {

@@ -417,7 +417,7 @@ class Loader {
         s_.drivers.back().curve = curve;
       }
       out.driver_end = static_cast<uint32_t>(s_.drivers.size());
-      if (out.mask_slice != kAbsent && out.mask_slice >= kMaxLayers)
+      if (out.mask_slice != kAbsent && out.mask_slice / 4 >= (a_.layers()->size() + 3) / 4)
         return bad("a layer's mask is out of range");
       s_.layers.push_back(out);
     }

@@ -333,7 +333,7 @@ struct Principal {
 
 // q clamped to [0, kMaxQ], 1 where it is not a number.
 HWY_INLINE Lanes clampQ(Lanes q) {
-  return ifNotNegative(q, atMost(q, kMaxQ), all(1.0f));
+  return ifNotNegative(q, atMost(q, kMaxQ), ifNegative(q, all(0.0f), all(1.0f)));
 }
 
 template <typename Measured>

@@ -8,9 +8,11 @@ namespace {
 
 // The expression order of the measures is that of shaders/measure.glsl.
 
+// The principal measure of a collapsed triangle is what rounding makes of 0, of either sign; NaN compares
+// false.
 inline float clampQ(float q) {
-  return q >= 0.0f ? std::min(q, kMaxQ) : 1.0f;
-}  // NaN compares false
+  return q >= 0.0f ? std::min(q, kMaxQ) : q < 0.0f ? 0.0f : 1.0f;
+}
 
 float directional(Float3 e1, Float3 e2, const float* c, float inverse_scale2) {
   const float x = c[0] * e1.x + c[1] * e2.x;

@@ -133,6 +133,24 @@ TEST(KnownAnswers, DirectionalSeesWhatAreaDoesNot) {
   for (float q : frame.q[2]) EXPECT_NEAR(q, 0.49, 1e-3);
 }
 
+// Onto a line that is no axis: q is the rounding of nothing, of either sign.
+TEST(KnownAnswers, ASheetSqueezedToALineIsSqueezedByEveryMeasure) {
+  const glm::dvec3 line = glm::normalize(glm::dvec3(0.3, 0.7, 0.2));
+  std::vector<pipeline::LayerRecipe> layers(3, axisLayer({0.7, -0.3, 0}));  // across the line
+  for (const Measure measure : {Measure::kDirectional, Measure::kArea, Measure::kPrincipal}) {
+    layers[static_cast<size_t>(measure)].measure = measure;
+    layers[static_cast<size_t>(measure)].name = std::to_string(static_cast<int>(measure));
+  }
+  const Asset asset = cookAsset(sceneOf(sheet(8), [](glm::dvec3 p) { return p; }), recipeOf(layers));
+  Affine pose;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      pose.m[4 * r + c] = static_cast<float>(line[r] * (c == 2 ? 0.0 : line[c] / std::hypot(line.x, line.y)));
+  const Frame frame = evaluate(asset.view(), {0.0f}, pose);
+  for (const std::vector<float>& q : frame.q)
+    for (float each : q) EXPECT_NEAR(each, 0.0f, 1e-3f);
+}
+
 TEST(KnownAnswers, RigidMotionAndInstanceScaleLeaveBiasAndRegion) {
   Primitive primitive = sheet(8);
   pipeline::Attribute color{"COLOR_0", 4, {}};

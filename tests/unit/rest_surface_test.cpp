@@ -163,8 +163,8 @@ TEST(Loader, ARestThatIsNotTheBindPoseIsStored) {
 }
 
 // A cooked sheet with something wrong in it under a checksum that is right.
-Status loadChanged(const std::function<void(format::Asset&)>& change) {
-  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+Status loadChanged(const std::function<void(format::Asset&)>& change,
+                   pipeline::LayerRecipe layer = axisLayer({1, 0, 0})) {
   SourceScene scene = sceneOf(sheet(3), [](glm::dvec3 p) { return p * 0.9; });
   scene.primitives.push_back(scene.primitives[0]);
   scene.parts.push_back(scene.parts[0]);
@@ -186,6 +186,16 @@ T* changeable(const flatbuffers::Vector<T>* vector) {
   return const_cast<T*>(vector->data());
 }
 
+// Of a field that the table has; the generated code has no way to its bytes.
+template <typename Table>
+void setField(const Table* table, flatbuffers::voffset_t field, uint32_t value) {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(table);
+  const uint8_t* fields = bytes - flatbuffers::ReadScalar<flatbuffers::soffset_t>(bytes);
+  const auto at = flatbuffers::ReadScalar<flatbuffers::voffset_t>(fields + field);
+  ASSERT_NE(at, 0);
+  flatbuffers::WriteScalar(const_cast<uint8_t*>(bytes + at), value);
+}
+
 TEST(Loader, RefusesWhatNothingFollowsFrom) {
   EXPECT_TRUE(loadChanged([](format::Asset&) {}).ok());
   for (const uint32_t part : {2u, kAbsent})
@@ -203,15 +213,23 @@ TEST(Loader, RefusesWhatNothingFollowsFrom) {
               StatusCode::kBadData);
 }
 
+// One layer has four channels of a texture.
+TEST(Loader, RefusesAMaskThatNoTextureHolds) {
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.compress = pipeline::LayerRecipe().compress;
+  const auto load = [&](uint32_t slice) {
+    return loadChanged(
+        [slice](format::Asset& a) { setField(a.layers()->Get(0), format::Layer::VT_MASK_SLICE, slice); },
+        layer);
+  };
+  EXPECT_TRUE(load(3).ok());
+  EXPECT_EQ(load(4).code, StatusCode::kBadData);
+}
+
 // Of a stream that promises 32 GB, not kOutOfMemory.
 TEST(Loader, NoMemoryIsTakenForWhatTheBytesCannotHold) {
-  const Status status = loadChanged([](format::Asset& a) {
-    // The generated code has no way to the bytes of a field.
-    const auto* table = reinterpret_cast<const uint8_t*>(a.place_points());
-    const uint8_t* fields = table - flatbuffers::ReadScalar<flatbuffers::soffset_t>(table);
-    const auto count = flatbuffers::ReadScalar<flatbuffers::voffset_t>(fields + format::Stream::VT_COUNT);
-    flatbuffers::WriteScalar(const_cast<uint8_t*>(table + count), 0xffffffffu);
-  });
+  const Status status = loadChanged(
+      [](format::Asset& a) { setField(a.place_points(), format::Stream::VT_COUNT, 0xffffffffu); });
   EXPECT_EQ(status.code, StatusCode::kBadData) << status.message;
 }
 
