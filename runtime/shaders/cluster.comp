@@ -111,7 +111,8 @@ void measureCluster(uint cluster, uint layer, uint coefficients) {
     vec3 c = vec3(uintBitsToFloat(data[word]), 0.0, 0.0);
     if (count > 1u) c.y = uintBitsToFloat(data[word + 16u]);
     if (count > 2u) c.z = uintBitsToFloat(data[word + 32u]);
-    shared_scratch[t] = measureTriangle(measure, e1, e2, c);
+    bool in_no_ring = c.x == 0.0 && c.y == 0.0 && c.z == 0.0;
+    shared_scratch[t] = in_no_ring ? 0.0 : measureTriangle(measure, e1, e2, c);
   }
   FURROW_SYNC;
 }

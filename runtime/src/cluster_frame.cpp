@@ -331,9 +331,18 @@ struct Principal {
   }
 };
 
-// q clamped to [0, kMaxQ], 1 where it is not a number.
-HWY_INLINE Lanes clampQ(Lanes q) {
-  return ifNotNegative(q, atMost(q, kMaxQ), ifNegative(q, all(0.0f), all(1.0f)));
+// q clamped to [0, kMaxQ]. What is not a number is 1, but 0 with coefficients that are all zero: it must not
+// be seen in a ring that the triangle is not in.
+HWY_INLINE Lanes clampQ(Lanes q, const float* c, uint32_t each) {
+  if (allNotNegative(q)) return atMost(q, kMaxQ);
+  const Lanes zero = all(0.0f);
+  Lanes used = zero;
+  for (uint32_t k = 0; k < each; ++k) {
+    const Lanes one = load(c + k * kTriangleLanes);
+    used = used + ifNegative(one, zero - one, one);
+  }
+  const Lanes otherwise = ifNegative(q, zero, ifPositive(used, all(1.0f), zero));
+  return ifNotNegative(q, atMost(q, kMaxQ), otherwise);
 }
 
 template <typename Measured>
@@ -343,7 +352,8 @@ HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const float* c
   for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes) {
     ahead.step();
     for (uint32_t i = 0; i < kTriangleLanes; i += kWidth)
-      store(clampQ(Measured::of(Edges(positions, corner + 3 * i), coefficients + i, inverse_scale2)),
+      store(clampQ(Measured::of(Edges(positions, corner + 3 * i), coefficients + i, inverse_scale2),
+                   coefficients + i, each),
             q + group + i);
     corner += 3 * kTriangleLanes;
     coefficients += each * kTriangleLanes;
@@ -391,11 +401,10 @@ struct EdgeBlock {
 template <typename Measured>
 HWY_INLINE void measureBlock(const EdgeBlock& edges, uint32_t count, const float* coefficients, uint32_t each,
                              Lanes inverse_scale2, float* q) {
-  for (uint32_t i = 0; i < count; i += kWidth)
-    store(clampQ(Measured::of(edges.at(i),
-                              coefficients + i / kTriangleLanes * kTriangleLanes * each + i % kTriangleLanes,
-                              inverse_scale2)),
-          q + i);
+  for (uint32_t i = 0; i < count; i += kWidth) {
+    const float* c = coefficients + i / kTriangleLanes * kTriangleLanes * each + i % kTriangleLanes;
+    store(clampQ(Measured::of(edges.at(i), c, inverse_scale2), c, each), q + i);
+  }
 }
 
 // The same for several layers at once: their q lie side by side.

@@ -67,6 +67,9 @@ HWY_INLINE Lanes ifNegative(Lanes a, Lanes yes, Lanes no) {
 HWY_INLINE Lanes ifNotNegative(Lanes a, Lanes yes, Lanes no) {
   return each([&](int i) { return a.v[i] >= 0.0f ? yes.v[i] : no.v[i]; });
 }
+HWY_INLINE bool allNotNegative(Lanes a) {
+  return a.v[0] >= 0.0f && a.v[1] >= 0.0f && a.v[2] >= 0.0f && a.v[3] >= 0.0f;
+}
 HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes m[4] = {a, b, c, d};
   Lanes* out[4] = {&a, &b, &c, &d};
@@ -134,6 +137,9 @@ HWY_INLINE Lanes ifNegative(Lanes a, Lanes yes, Lanes no) {
 }
 HWY_INLINE Lanes ifNotNegative(Lanes a, Lanes yes, Lanes no) {
   return hn::IfThenElse(a >= hn::Zero(D()), yes, no);
+}
+HWY_INLINE bool allNotNegative(Lanes a) {
+  return hn::AllTrue(D(), a >= hn::Zero(D()));
 }
 // In each block.
 HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& e) {

@@ -242,6 +242,45 @@ TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
   }
 }
 
+// A host has no vertices for the part that no layer covers; the rings at the border know nothing of it.
+TEST(ClusterFrame, WhatIsNoNumberStaysInItsLayer) {
+  pipeline::SourceScene scene = tests::sceneOf(tests::sheet(20), [](glm::dvec3 p) { return p; });
+  scene.primitives.push_back(scene.primitives[0]);
+  for (glm::vec3& p : scene.primitives[1].positions) p.x += 1.0f;
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].primitive = 1;
+  scene.parts[1].mesh = "covered";
+  for (uint32_t count : {1u, 2u}) {
+    std::vector<pipeline::LayerRecipe> layers(count, tests::axisLayer({1, 0, 0}));
+    for (uint32_t l = 0; l < count; ++l) layers[l].name += std::to_string(l), layers[l].meshes = {"covered"};
+    const Asset asset = tests::cookAsset(scene, tests::recipeOf(layers));
+    const AssetView& view = asset.view();
+    ASSERT_LT(view.pointCount(), view.vertexCount());
+    std::vector<Float3> posed(view.positions.begin(), view.positions.end());
+    for (Float3& p : posed) p = p.x < 0.99f ? Float3{NAN, NAN, NAN} : Float3{0.7f * p.x, p.y, p.z};
+    std::vector<float> triangle_q(view.triangleCount()), q(view.pointCount());
+    std::vector<int16_t> staged(view.vertexCount() * view.weightStride()), weights(staged.size());
+    for (uint32_t l = 0; l < count; ++l) {
+      CompressJob{&view, l, posed, 1.0f, triangle_q}.run(0, view.triangleCount());
+      SmoothJob{&view, triangle_q, q}.run(0, view.pointCount());
+      RespondJob{&view, l, view.layers[l].response, 0.0f, q, staged}.run(0, view.vertexCount());
+    }
+    Clusters clusters;
+    ASSERT_TRUE(clusters.build(view).ok());
+    std::vector<std::byte> scratch(clusters.scratchBytes());
+    for (Simd simd : available()) {
+      ClusterFrameJob job;
+      job.clusters = &clusters;
+      job.posed = reinterpret_cast<const std::byte*>(posed.data());
+      job.weights = weights;
+      job.simd = simd;
+      ASSERT_TRUE(job.validate().ok());
+      job.run(0, clusters.count(), scratch);
+      EXPECT_EQ(weights, staged) << count << " " << simdName(simd);
+    }
+  }
+}
+
 TEST(ClusterFrame, EveryPointIsOwnedOnceAndRingsAreWhole) {
   const Asset asset = tests::cookAsset(bumpy(70), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
   const AssetView& view = asset.view();
