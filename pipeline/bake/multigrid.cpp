@@ -2,6 +2,7 @@
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -14,7 +15,8 @@ using Index = Eigen::Index;
 
 constexpr Index kDirect = 500;  // unknowns that are solved at once
 constexpr double kTolerance = 1e-5;
-constexpr double kOver = 1.6;  // what a constant correction of an aggregate leaves undone
+constexpr double kStrong = 0.25;  // of the strongest entry of a row
+constexpr double kOver = 1.6;     // what a constant correction of an aggregate leaves undone
 constexpr int kMostIterations = 300;
 
 // The operator of std::complex looks out for infinities.
@@ -22,38 +24,48 @@ Complex times(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-// A matrix and, unless it is small, its aggregates: every unknown follows one of the next level, turned.
+// A matrix and, unless it is the last, its aggregates: an unknown follows one of the next level, turned; or
+// none, if it has no neighbours.
 struct Level {
   HermitianMatrix matrix;
-  std::vector<int> aggregate;  // an unknown
+  std::vector<int> aggregate;  // an unknown, -1: none
   Vector turn;                 // an unknown, length 1
 
-  // Each unknown with its free neighbours is an aggregate; what is left over joins its strongest neighbour's.
+  // An unknown with its free strong neighbours is an aggregate; what is left over joins its strongest
+  // neighbour's. Weak neighbours, such as those across a long thin triangle, would tell it nothing.
   HermitianMatrix coarsen() {
     const Index count = matrix.rows();
     aggregate.assign(static_cast<size_t>(count), -1);
     turn.setOnes(count);
+    std::vector<double> strong(static_cast<size_t>(count), 0.0);
+    for (Index i = 0; i < count; ++i)
+      for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
+        if (e.col() != i) strong[i] = std::max(strong[i], kStrong * kStrong * std::norm(e.value()));
+    const auto isStrong = [&](const HermitianMatrix::InnerIterator& e) {
+      const double norm = std::norm(e.value());
+      return e.col() != e.row() && norm > 0.0 && norm >= strong[e.row()];
+    };
     const auto join = [&](Index i, Index j, Complex a_ij) {
       aggregate[i] = aggregate[j];
-      const double length = std::abs(a_ij);
-      turn[i] = length > 0.0 ? -a_ij / length * turn[j] : turn[j];
+      turn[i] = -a_ij / std::abs(a_ij) * turn[j];
     };
     int next = 0;
     for (Index i = 0; i < count; ++i) {
-      bool open = aggregate[i] < 0;
-      for (HermitianMatrix::InnerIterator e(matrix, i); e && open; ++e) open = aggregate[e.col()] < 0;
+      bool open = aggregate[i] < 0 && strong[i] > 0.0;
+      for (HermitianMatrix::InnerIterator e(matrix, i); e && open; ++e)
+        open = !isStrong(e) || aggregate[e.col()] < 0;
       if (!open) continue;
       aggregate[i] = next++;
       for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
-        if (e.col() != i) join(e.col(), i, std::conj(e.value()));
+        if (isStrong(e)) join(e.col(), i, std::conj(e.value()));
     }
     const std::vector<int> first = aggregate;
     for (Index i = 0; i < count; ++i) {
-      if (aggregate[i] >= 0) continue;
+      if (aggregate[i] >= 0 || strong[i] == 0.0) continue;
       Index best = -1;
       Complex strongest = 0.0;
       for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
-        if (e.col() != i && first[e.col()] >= 0 && std::norm(e.value()) >= std::norm(strongest)) {
+        if (isStrong(e) && first[e.col()] >= 0 && std::norm(e.value()) >= std::norm(strongest)) {
           best = e.col();
           strongest = e.value();
         }
@@ -66,18 +78,34 @@ struct Level {
     entries.reserve(static_cast<size_t>(matrix.nonZeros()));
     for (Index i = 0; i < count; ++i)
       for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e)
-        entries.push_back(
-            {aggregate[i], aggregate[e.col()], times(times(std::conj(turn[i]), e.value()), turn[e.col()])});
+        if (aggregate[i] >= 0 && aggregate[e.col()] >= 0)
+          entries.push_back(
+              {aggregate[i], aggregate[e.col()], times(times(std::conj(turn[i]), e.value()), turn[e.col()])});
     HermitianMatrix coarse(next, next);
     coarse.setFromTriplets(entries.begin(), entries.end());
     return coarse;
   }
 
-  // One sweep of Gauss-Seidel.
-  void relax(const Vector& b, Vector& x, bool forward) const {
-    const Index count = matrix.rows();
-    for (Index k = 0; k < count; ++k) {
-      const Index i = forward ? k : count - 1 - k;
+  // A sweep of Gauss-Seidel from zero, and b - matrix * x, which is then what it has not looked at: the
+  // entries right of the diagonal.
+  void begin(const Vector& b, Vector& x, Vector& left) const {
+    for (Index i = 0; i < matrix.rows(); ++i) {
+      Complex rest = b[i];
+      HermitianMatrix::InnerIterator e(matrix, i);
+      for (; e.col() < i; ++e) rest -= times(e.value(), x[e.col()]);
+      x[i] = rest / e.value().real();
+    }
+    for (Index i = matrix.rows() - 1; i >= 0; --i) {
+      Complex rest = 0.0;
+      for (HermitianMatrix::ReverseInnerIterator e(matrix, i); e.col() > i; --e)
+        rest -= times(e.value(), x[e.col()]);
+      left[i] = rest;
+    }
+  }
+
+  // A sweep backwards.
+  void end(const Vector& b, Vector& x) const {
+    for (Index i = matrix.rows() - 1; i >= 0; --i) {
       Complex rest = b[i];
       double diagonal = 1.0;
       for (HermitianMatrix::InnerIterator e(matrix, i); e; ++e) {
@@ -114,15 +142,15 @@ class Cycle {
   Vector cycle(size_t l, const Vector& b) const {
     const Level& level = levels_[l];
     if (l + 1 == levels_.size()) return direct_.solve(b);
-    Vector x = Vector::Zero(b.size());
-    level.relax(b, x, true);
-    const Vector left = b - level.matrix * x;
+    Vector x(b.size()), left(b.size());
+    level.begin(b, x, left);
     Vector coarse = Vector::Zero(levels_[l + 1].matrix.rows());
     for (Index i = 0; i < b.size(); ++i)
-      coarse[level.aggregate[i]] += times(std::conj(level.turn[i]), left[i]);
+      if (level.aggregate[i] >= 0) coarse[level.aggregate[i]] += times(std::conj(level.turn[i]), left[i]);
     const Vector correction = kOver * cycle(l + 1, coarse);
-    for (Index i = 0; i < b.size(); ++i) x[i] += times(level.turn[i], correction[level.aggregate[i]]);
-    level.relax(b, x, false);
+    for (Index i = 0; i < b.size(); ++i)
+      if (level.aggregate[i] >= 0) x[i] += times(level.turn[i], correction[level.aggregate[i]]);
+    level.end(b, x);
     return x;
   }
 

@@ -8,6 +8,7 @@
 
 #include "pipeline/bake/image_directions.h"
 #include "pipeline/bake/intrinsic_delaunay.h"
+#include "pipeline/bake/multigrid.h"
 #include "pipeline/bake/nearest.h"
 #include "sheets.h"
 
@@ -450,6 +451,32 @@ TEST(LineField, IsOfTheSurfaceAndNotOfItsTriangles) {
     EXPECT_LT(most, 5.0) << pushed;
     EXPECT_LT(most_confidence, 0.1) << pushed;
   }
+}
+
+// ---- the solver ----
+
+// Long thin triangles, as hair has them: a thousandth of the weight across them, and next to no diagonal.
+TEST(Multigrid, SolvesWhatIsStretched) {
+  constexpr int kSide = 200;
+  constexpr double kAcross = 1e-3, kDiagonal = 1e-7;
+  std::vector<Eigen::Triplet<std::complex<double>>> entries;
+  const auto connect = [&](int i, int j, double weight) {
+    const std::complex<double> turn = std::polar(1.0, 0.1 * ((7 * i + 3 * j) % 5));
+    entries.push_back({i, j, -weight * turn});
+    entries.push_back({j, i, -weight * std::conj(turn)});
+    entries.push_back({i, i, weight});
+    entries.push_back({j, j, weight});
+  };
+  for (int i = 0; i < kSide * kSide; ++i) {
+    entries.push_back({i, i, kDiagonal});
+    if (i % kSide + 1 < kSide) connect(i, i + 1, kAcross);
+    if (i + kSide < kSide * kSide) connect(i, i + kSide, 1.0);
+  }
+  HermitianMatrix matrix(kSide * kSide, kSide * kSide);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXcd b(kSide * kSide);
+  for (int i = 0; i < b.size(); ++i) b[i] = {std::sin(0.01 * i), std::cos(0.37 * i)};
+  EXPECT_LE((matrix * solveMultigrid(matrix, b) - b).norm(), 1.1e-5 * b.norm());
 }
 
 // ---- intrinsic Delaunay triangulation ----
