@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 
+#include "editor/cli/backend.h"
 #include "editor/cli/commands.h"
 #include "editor/cli/pose_options.h"
 #include "furrow/gl/executor.h"
@@ -58,12 +58,12 @@ Result runCpu(const AssetView& asset, const FrameInput& input) {
 Result runGpu(const AssetView& asset, const FrameInput& input, gl::Tier tier) {
   const FramePlan plan(asset, {.form = gl::formOf(tier), .normals = false, .point_q = true});
   gl::Executor executor;
-  Status status = executor.create(plan);
-  if (status.ok()) status = executor.upload(input);
-  if (status.ok()) status = executor.run();
-  if (!status.ok())
+  if (const Status status = executor.create(plan); !status.ok())
     throw Error(Exit::kEnvironment, std::string("--backend ") + gl::tierName(tier), status.message,
                 "use --backend cpu");
+  Status status = executor.upload(input);
+  if (status.ok()) status = executor.run();
+  if (!status.ok()) throw preview::ContextLost(tier, status.message);
   Result result;
   result.positions.resize(asset.vertexCount());
   result.q.resize(size_t{asset.pointCount()} * asset.layerCount());
@@ -102,19 +102,20 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
 
 void run(const Options& options) {
   options.pose.validate();
-  std::unique_ptr<preview::HeadlessContext> context;
-  const gl::TierChoice choice = chooseTier(options.pose.backend, context);
+  Backend backend(options.pose.backend);
+  backend.require();
   const OpenedAsset opened = openAsset(options.asset);
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
   const AssetView& asset = opened.asset.view();
-  const Result result =
-      choice.tier == gl::Tier::kCpu ? runCpu(asset, frame.input) : runGpu(asset, frame.input, choice.tier);
+  const Result result = backend.run([&](gl::Tier tier) {
+    return tier == gl::Tier::kCpu ? runCpu(asset, frame.input) : runGpu(asset, frame.input, tier);
+  });
   const std::string text = csv(asset, result, frame.origin);
   if (!options.out.empty())
     pipeline::writeFile(options.out, std::as_bytes(std::span(text)));
   else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     throw Error(Exit::kEnvironment, "standard output", "cannot be written", "name a file with -o");
-  printTier(options.pose.backend, choice);
+  backend.report();
   printWarnings(options.asset, opened.warnings);
 }
 

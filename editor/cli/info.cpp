@@ -1,8 +1,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "editor/cli/backend.h"
 #include "editor/cli/commands.h"
-#include "editor/cli/pose_options.h"
+#include "editor/cli/open_asset.h"
 #include "furrow/frame_plan.h"
 #include "pipeline/maps/encode.h"
 
@@ -26,11 +27,10 @@ nlohmann::json describe(const Texture& texture) {
 
 // What eval and render would run on here.
 nlohmann::json describeTier() {
-  std::unique_ptr<preview::HeadlessContext> context;
-  gl::TierChoice choice;
-  if (const Status status = chooseTier("auto", context, choice); !status.ok())
+  Backend backend("auto");
+  if (const Status status = backend.choose(); !status.ok())
     return {{"name", nullptr}, {"reason", status.message}};
-  return {{"name", gl::tierName(choice.tier)}, {"reason", choice.reason}};
+  return {{"name", gl::tierName(backend.choice().tier)}, {"reason", backend.choice().reason}};
 }
 
 nlohmann::json describe(const OpenedAsset& opened) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "editor/cli/backend.h"
 #include "pipeline/error.h"
 #include "pipeline/import/take.h"
 #include "pipeline/recipe/arkit.h"
@@ -62,13 +63,6 @@ void applyTake(const std::string& file, double time, const std::vector<std::stri
                  pipeline::joinNames(unknown, 80).c_str());
 }
 
-std::string_view wantedTier(const std::string& backend) {
-  std::string_view wanted;
-  if (const Status status = gl::wantedTier(backend, wanted); !status.ok())
-    throw Error(Exit::kBadUsage, "environment", status.message, "set it to one of these, or not at all");
-  return wanted;
-}
-
 }  // namespace
 
 void PoseOptions::add(CLI::App& command) {
@@ -95,7 +89,7 @@ void PoseOptions::add(CLI::App& command) {
 void PoseOptions::validate() const {
   for (const std::string& text : morphs) assignment(text, "--morph");
   for (const std::string& text : regions) assignment(text, "--region");
-  wantedTier(backend);
+  checkBackend(backend);
 }
 
 preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& options) {
@@ -127,32 +121,6 @@ preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& opti
   }
   return preview::poseFrame(asset, pipeline::evaluate(opened.rig, pose), regions,
                             static_cast<float>(options.scale));
-}
-
-Status chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context,
-                  gl::TierChoice& choice) {
-  const std::string_view wanted = wantedTier(backend);
-  std::string no_context;
-  try {
-    if (wanted != "cpu" && !context) context = std::make_unique<preview::HeadlessContext>();
-  } catch (const Error& error) {
-    no_context = error.what();
-    no_context.resize(no_context.rfind(": "));  // what to do is another here
-  }
-  return gl::chooseTier(wanted, no_context, choice);
-}
-
-gl::TierChoice chooseTier(const std::string& backend, std::unique_ptr<preview::HeadlessContext>& context) {
-  gl::TierChoice choice;
-  if (const Status status = chooseTier(backend, context, choice); !status.ok())
-    throw Error(Exit::kEnvironment, "--backend " + std::string(wantedTier(backend)), status.message,
-                "use auto");
-  return choice;
-}
-
-void printTier(const std::string& backend, const gl::TierChoice& choice) {
-  if (backend == "auto" && choice.tier != gl::Tier::kGpu)
-    std::fprintf(stderr, "furrow: using the tier %s\n", choice.reason);
 }
 
 }  // namespace furrow::cli

@@ -3,6 +3,7 @@
 #include <optional>
 #include <thread>
 
+#include "editor/cli/backend.h"
 #include "editor/cli/commands.h"
 #include "editor/cli/pose_options.h"
 #include "editor/preview/software_picture.h"
@@ -52,17 +53,19 @@ void run(const Options& options) {
   preview::RenderOptions render;
   parseSize(options.size, render.width, render.height);
   options.pose.validate();
-  std::unique_ptr<preview::HeadlessContext> context;
-  const gl::TierChoice choice = chooseTier(options.pose.backend, context);
-  render.tier = choice.tier;
-  render.shading = !options.shading.empty()        ? kShadings.at(options.shading)
-                   : render.tier == gl::Tier::kCpu ? preview::Shading::kAlpha
-                                                   : preview::Shading::kInterpolated;
+  Backend backend(options.pose.backend);
+  backend.require();
   render.lighting = options.lighting == "blinn" ? preview::Lighting::kBlinn : preview::Lighting::kGgx;
   render.view = kViews.at(options.view);
   // The cpu tier draws without OpenGL what can be drawn without it.
-  const bool in_software = render.tier == gl::Tier::kCpu && !preview::whyNotInSoftware(render);
-  if (!in_software && !context) context = std::make_unique<preview::HeadlessContext>();
+  const auto inSoftware = [&](gl::Tier tier) {
+    render.tier = tier;
+    render.shading = !options.shading.empty() ? kShadings.at(options.shading)
+                     : tier == gl::Tier::kCpu ? preview::Shading::kAlpha
+                                              : preview::Shading::kInterpolated;
+    return tier == gl::Tier::kCpu && !preview::whyNotInSoftware(render);
+  };
+  if (!inSoftware(backend.choice().tier)) backend.needContext();
   const OpenedAsset opened = openAsset(options.asset);
   const AssetView& asset = opened.asset.view();
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
@@ -89,11 +92,14 @@ void run(const Options& options) {
     render.camera.target = {static_cast<float>(options.target[0] - frame.origin[0]),
                             static_cast<float>(options.target[1] - frame.origin[1]),
                             static_cast<float>(options.target[2] - frame.origin[2])};
-  pipeline::writeImage(
-      options.out,
-      in_software ? preview::softwarePicture(asset, frame.input, render, std::thread::hardware_concurrency())
-                  : preview::Renderer(asset).render(frame.input, render));
-  printTier(options.pose.backend, choice);
+  const pipeline::Image picture = backend.run([&](gl::Tier tier) {
+    if (inSoftware(tier))
+      return preview::softwarePicture(asset, frame.input, render, std::thread::hardware_concurrency());
+    backend.needContext();
+    return preview::Renderer(asset).render(frame.input, render);
+  });
+  pipeline::writeImage(options.out, picture);
+  backend.report();
   printWarnings(options.asset, opened.warnings);
 }
 

@@ -14,6 +14,9 @@ namespace furrow::preview {
 namespace {
 
 constexpr uint32_t kLargestSide = 4096;
+constexpr int kMostErrors = 64;  // a lost context never runs out of them
+
+uint32_t generation = 0;
 
 std::string firstLine(const std::string& log) {
   const size_t begin = log.find_first_not_of(" \t\r\n");
@@ -46,7 +49,15 @@ void attach(GLuint program, const char* name, GLenum type, GlslPieces pieces) {
 
 }  // namespace
 
-GlObject::GlObject(GlKind kind) : kind_(kind) {
+void giveUpObjects() {
+  ++generation;
+}
+
+uint32_t objectGeneration() {
+  return generation;
+}
+
+GlObject::GlObject(GlKind kind) : kind_(kind), generation_(generation) {
   switch (kind) {
     case GlKind::kBuffer:
       glGenBuffers(1, &name_);
@@ -70,7 +81,7 @@ GlObject::GlObject(GlKind kind) : kind_(kind) {
 }
 
 GlObject::~GlObject() {
-  if (name_ == 0) return;
+  if (name_ == 0 || generation_ != generation) return;
   switch (kind_) {
     case GlKind::kBuffer:
       glDeleteBuffers(1, &name_);
@@ -121,7 +132,7 @@ PictureTarget::PictureTarget(uint32_t width, uint32_t height) : width_(width), h
   if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide)
     throw pipeline::Error(pipeline::Exit::kBadUsage, "picture", "the size " + size + " is out of range",
                           "ask for 1x1 to 4096x4096");
-  while (glGetError() != GL_NO_ERROR) {
+  for (int i = 0; i < kMostErrors && glGetError() != GL_NO_ERROR; ++i) {
   }
   samples_ = GlObject(GlKind::kRenderbuffer);
   depth_ = GlObject(GlKind::kRenderbuffer);

@@ -1,6 +1,7 @@
 #pragma once
 
-// Owners of OpenGL objects. All need the context they were made in to be current, destructors too.
+// Owners of OpenGL objects. All need the context they were made in to be current, destructors too, unless
+// that was lost and its objects given up.
 
 #include <cstdint>
 #include <initializer_list>
@@ -14,10 +15,11 @@ class GlObject {
  public:
   GlObject() = default;
   explicit GlObject(GlKind kind);
-  GlObject(GlObject&& other) noexcept : name_(std::exchange(other.name_, 0)), kind_(other.kind_) {}
+  GlObject(GlObject&& other) noexcept { *this = std::move(other); }
   GlObject& operator=(GlObject&& other) noexcept {
     std::swap(name_, other.name_);
     std::swap(kind_, other.kind_);
+    std::swap(generation_, other.generation_);
     return *this;
   }
   ~GlObject();
@@ -27,7 +29,14 @@ class GlObject {
  private:
   uint32_t name_ = 0;
   GlKind kind_ = GlKind::kBuffer;
+  uint32_t generation_ = 0;
 };
+
+// The context was lost: objects that were made until now are not deleted by their owners, as their names may
+// be another context's by then.
+void giveUpObjects();
+// Counts these calls.
+uint32_t objectGeneration();
 
 // A linked program of GLSL 3.30 without `#version`; each stage is the scene's blocks and then `pieces` in
 // order. An empty list: no such stage. Its blocks Scene and Material are bound to 0 and 1. Throws

@@ -129,30 +129,38 @@ class UploadedFrame {
 
 class GpuFrame {
  public:
-  GpuFrame(const AssetView& asset, Tier tier) : plan_(asset, {.form = gl::formOf(tier)}) {
-    if (const Status status = executor_.create(plan_); !status.ok())
+  GpuFrame(const AssetView& asset, Tier tier, gl::ResetStatus lost)
+      : plan_(asset, {.form = gl::formOf(tier)}), generation_(objectGeneration()) {
+    if (const Status status = executor_.create(plan_, lost); !status.ok())
       throw Error(status.code == StatusCode::kOutOfMemory || status.code == StatusCode::kUnavailable
                       ? Exit::kEnvironment
                       : Exit::kBadData,
                   std::string(gl::tierName(tier)) + " tier", status.message, "use the cpu tier");
   }
 
-  PosedBuffers run(const FrameInput& input, StageTimes* times) {
+  ~GpuFrame() {
+    if (generation_ != objectGeneration()) executor_.giveUp();
+  }
+  GpuFrame(const GpuFrame&) = delete;
+  GpuFrame& operator=(const GpuFrame&) = delete;
+
+  // Fails where the context was lost.
+  Status run(const FrameInput& input, StageTimes* times, PosedBuffers& out) {
     StageClock clock(times);
     Status status = executor_.upload(input);
     if (status.ok()) status = executor_.run();
-    if (!status.ok())
-      throw Error(Exit::kEnvironment, "gpu tier", status.message,
-                  "open the picture again, or use the cpu tier");
+    if (!status.ok()) return status;
     if (times) glFinish();
     clock.end("weights");
-    return {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
-            executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
+    out = {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
+           executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
+    return {};
   }
 
  private:
   FramePlan plan_;
   gl::Executor executor_;
+  uint32_t generation_;
 };
 
 }  // namespace
@@ -160,7 +168,7 @@ class GpuFrame {
 struct Renderer::State {
   explicit State(const AssetView& asset);
 
-  PosedBuffers pose(const FrameInput& input, const RenderOptions& options);
+  Status pose(const FrameInput& input, Tier tier, gl::ResetStatus lost, StageTimes* times, PosedBuffers& out);
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
   void fillScene(const RenderOptions& options);
@@ -170,6 +178,7 @@ struct Renderer::State {
   void drawStrokes(const RenderOptions& options);
 
   const AssetView& asset;
+  const uint32_t generation = objectGeneration();
   std::map<std::tuple<View, Shading, Lighting, bool>, GlObject>
       surface;  // programs by surfaceProgram()'s constants
   GlObject shadow, background, stroke;
@@ -292,15 +301,16 @@ void Renderer::State::makeMasks() {
   masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
 }
 
-PosedBuffers Renderer::State::pose(const FrameInput& input, const RenderOptions& options) {
-  const Tier tier = options.tier;
+Status Renderer::State::pose(const FrameInput& input, Tier tier, gl::ResetStatus lost, StageTimes* times,
+                             PosedBuffers& out) {
   if (tier == Tier::kCpu) {
     if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
-    return cpu->run(input, options.times);
+    out = cpu->run(input, times);
+    return {};
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
-  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier);
-  return frame->run(input, options.times);
+  if (!frame) frame = std::make_unique<GpuFrame>(asset, tier, lost);
+  return frame->run(input, times, out);
 }
 
 void Renderer::State::bindSurface(const PosedBuffers& posed) const {
@@ -415,18 +425,44 @@ void Renderer::State::drawStrokes(const RenderOptions& options) {
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
 }
 
-Renderer::Renderer(const AssetView& asset) : state_(std::make_unique<State>(asset)) {}
+ContextLost::ContextLost(Tier on, const char* how)
+    : Error(Exit::kEnvironment, std::string(gl::tierName(on)) + " tier", how, "draw again"),
+      tier_(on),
+      how_(how) {}
+
+Renderer::Renderer(const AssetView& asset, gl::ResetStatus lost)
+    : asset_(asset), asked_(lost ? lost : gl::resetStatus()), state_(std::make_unique<State>(asset)) {}
 Renderer::~Renderer() = default;
 
-uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
+// What the lost context held is given up.
+void Renderer::lose(const char* how) {
+  if (state_->generation == objectGeneration()) giveUpObjects();
+  state_.reset();
+  first_ = gl::nextTier(tier_);
+  throw ContextLost(tier_, how);
+}
+
+void Renderer::check() {
+  if (!state_) return;
+  // Another renderer may have found it before.
+  if (state_->generation != objectGeneration()) lose("the OpenGL context was lost");
+  if (const Status status = gl::contextStatus(asked_, state_->indices); !status.ok()) lose(status.message);
+}
+
+uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) try {
+  checkPicture(asset_, input, options);
+  tier_ = std::max(options.tier, first_);
+  check();
+  if (!state_) state_ = std::make_unique<State>(asset_);
   State& s = *state_;
-  checkPicture(s.asset, input, options);
   if (!s.target || s.target->width() != options.width || s.target->height() != options.height) {
     s.target.reset();
     s.target = std::make_unique<PictureTarget>(options.width, options.height);
   }
   if (options.times) options.times->clear();
-  const PosedBuffers posed = s.pose(input, options);
+  PosedBuffers posed{};
+  if (const Status status = s.pose(input, tier_, asked_, options.times, posed); !status.ok())
+    lose(status.message);
   StageClock clock(options.times);
   s.bindSurface(posed);
   s.bindValues(input, options);
@@ -456,7 +492,11 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glBindVertexArray(0);
   glUseProgram(0);
+  check();
   return texture;
+} catch (const Error&) {
+  check();  // which says it better
+  throw;
 }
 
 pipeline::Image Renderer::render(const FrameInput& input, const RenderOptions& options) {
@@ -464,6 +504,7 @@ pipeline::Image Renderer::render(const FrameInput& input, const RenderOptions& o
   const size_t row = size_t{4} * options.width;
   std::vector<uint8_t> bytes(row * options.height);
   state_->target->readPixels(bytes.data());
+  check();
   pipeline::Image image{options.width, options.height, 4, std::vector<float>(bytes.size())};
   for (uint32_t y = 0; y < options.height; ++y)
     std::transform(&bytes[row * (options.height - 1 - y)], &bytes[row * (options.height - 1 - y)] + row,

@@ -5,11 +5,14 @@
 
 #include <memory>
 #include <span>
+#include <string>
 
 #include "editor/preview/camera.h"
 #include "editor/preview/stage_times.h"
 #include "furrow/frame_plan.h"
+#include "furrow/gl/context.h"
 #include "furrow/gl/tier.h"
+#include "pipeline/error.h"
 #include "pipeline/maps/image.h"
 
 namespace furrow::preview {
@@ -40,25 +43,49 @@ struct RenderOptions {
   StageTimes* times = nullptr;
 };
 
+// The OpenGL context was lost under a picture. Thrown in place of the picture; the next one is drawn in
+// whatever context is current by then, on the next tier.
+class ContextLost : public pipeline::Error {
+ public:
+  ContextLost(Tier on, const char* how);
+  Tier tier() const { return tier_; }              // that it was lost on
+  const std::string& how() const { return how_; }  // "the OpenGL context was lost (reset)"
+
+ private:
+  Tier tier_;
+  std::string how_;
+};
+
 // Where the maps of a texture set cannot be had (a mesh without UVs), creases are drawn by alpha shading of
 // the vertices.
 class Renderer {
  public:
-  explicit Renderer(const AssetView& asset);  // `asset` must outlive the renderer
+  // `asset` must outlive the renderer. Whether the context was lost is asked of `lost`; null: of
+  // gl::resetStatus(). One in which the renderer's objects are no more is lost in any case.
+  explicit Renderer(const AssetView& asset, gl::ResetStatus lost = nullptr);
   ~Renderer();
 
   // Poses, weighs and draws; the picture has 4 channels, sRGB-encoded, row 0 on top. Throws pipeline::Error:
   // kBadUsage for an option or an input that does not fit the asset, kEnvironment where the tier or the
-  // memory for the picture cannot be had.
+  // memory for the picture cannot be had; ContextLost.
   pipeline::Image render(const FrameInput& input, const RenderOptions& options);
 
   // The same without reading back: an OpenGL texture of sRGB-encoded bytes, bottom row first, good until the
   // next call. Leaves the default framebuffer bound, and the viewport and other drawing state changed.
   uint32_t draw(const FrameInput& input, const RenderOptions& options);
 
+  // Of the last picture: RenderOptions::tier, or the one that losses of the context left.
+  Tier tier() const { return tier_; }
+
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  void check();  // throws ContextLost
+  [[noreturn]] void lose(const char* how);
+
+  const AssetView& asset_;
+  gl::ResetStatus asked_;
+  Tier tier_ = Tier::kGpu, first_ = Tier::kGpu;  // `first_`: the tiers before it were lost
+  std::unique_ptr<State> state_;                 // null: to be made anew
 };
 
 }  // namespace furrow::preview

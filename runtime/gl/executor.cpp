@@ -15,6 +15,7 @@ namespace furrow::gl {
 namespace {
 
 constexpr size_t kBuffers = static_cast<size_t>(Buffer::kCount);
+constexpr int kMostErrors = 64;  // a lost context never runs out of them
 
 GLint limit(GLenum name) {
   GLint value = 0;
@@ -83,14 +84,9 @@ struct Executor::State {
 };
 
 Status Executor::State::checkContext() {
-  const GLenum reset = asked ? asked() : GL_NO_ERROR;
-  lost = lost || reset != GL_NO_ERROR || !glIsBuffer(buffer(Buffer::kFrame));
-  if (!lost) return {};
-  return Status::error(StatusCode::kUnavailable, "the OpenGL context was lost (%s)",
-                       reset == GL_GUILTY_CONTEXT_RESET     ? "reset, through its own doing"
-                       : reset == GL_INNOCENT_CONTEXT_RESET ? "reset, through no fault of its own"
-                       : reset != GL_NO_ERROR               ? "reset"
-                                                            : "its objects are gone");
+  const Status status = contextStatus(asked, buffer(Buffer::kFrame));
+  lost = lost || !status.ok();
+  return status;
 }
 
 Status Executor::State::checkLimits(const Item& item) const {
@@ -266,11 +262,8 @@ Status Executor::create(const FramePlan& plan, ResetStatus lost) {
   state->constants.resize(
       std::max(plan.instanceBytes(Buffer::kFrame), plan.instanceBytes(Buffer::kMorphWeights)));
   state->debug = hasDebug();
-  state->asked = lost ? lost
-                 : epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness")
-                     ? +[] { return uint32_t{glGetGraphicsResetStatus()}; }
-                     : nullptr;
-  while (glGetError() != GL_NO_ERROR) {
+  state->asked = lost ? lost : resetStatus();
+  for (int i = 0; i < kMostErrors && glGetError() != GL_NO_ERROR; ++i) {
   }
   for (size_t i = 0; i < kBuffers; ++i)
     if (const Status status = state->allocate(static_cast<Buffer>(i)); !status.ok()) return status;
@@ -285,7 +278,6 @@ Status Executor::create(const FramePlan& plan, ResetStatus lost) {
   }
   if (state->raster())
     if (const Status status = state->makeSums(); !status.ok()) return status;
-  if (const Status status = state->checkContext(); !status.ok()) return status;
   state_ = std::move(state);
   return {};
 }
@@ -305,6 +297,10 @@ Status Executor::upload(const FrameInput& input, uint32_t instance) {
   upload(Buffer::kPalette, linear ? std::as_bytes(input.palette) : std::as_bytes(input.motions),
          instance * plan.instanceBytes(Buffer::kPalette));
   return {};
+}
+
+void Executor::giveUp() {
+  if (state_) state_->lost = true;
 }
 
 void Executor::upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t offset) {

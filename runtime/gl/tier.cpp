@@ -19,6 +19,10 @@ const char* tierName(Tier tier) {
   return kNames[static_cast<size_t>(tier)];
 }
 
+Tier nextTier(Tier tier) {
+  return tier == Tier::kGpu ? Tier::kGpuRaster : Tier::kCpu;
+}
+
 Support querySupport() {
   Support support;
   const int version = epoxy_gl_version();

@@ -101,7 +101,7 @@ struct TieredFrame::State {
     executor.reset();
     plan.reset();
     do {
-      const Status status = start(static_cast<Tier>(static_cast<int>(tier) + 1));
+      const Status status = start(nextTier(tier));
       if (status.ok()) return;
       executor.reset();
       plan.reset();

@@ -110,6 +110,61 @@ TEST_F(RendererTest, TiersDrawTheSamePicture) {
   }
 }
 
+int resets_to_report = 0;
+uint32_t reportedReset() {
+  constexpr uint32_t kInnocentContextReset = 0x8254;
+  return resets_to_report > 0 ? (--resets_to_report, kInnocentContextReset) : 0u;
+}
+
+TEST_F(RendererTest, EveryLossOfTheContextCostsAPictureAndATier) {
+  if (!support_.gpu) GTEST_SKIP() << support_.reason;
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view(), reportedReset);
+  RenderOptions options = optionsFor(View::kBeauty);
+  const Pose pose{0.25f, 0.5f};
+  const Image cpu = render(renderer, options, pose);
+  options.tier = Tier::kGpu;
+  for (int loss = 0; loss < 3; ++loss) {
+    const auto before = static_cast<Tier>(loss), after = static_cast<Tier>(std::min(loss + 1, 2));
+    render(renderer, options, pose);
+    EXPECT_EQ(renderer.tier(), before);
+    resets_to_report = 1;
+    try {
+      render(renderer, options, pose);
+      ADD_FAILURE() << "no loss was reported";
+    } catch (const preview::ContextLost& lost) {
+      EXPECT_EQ(lost.tier(), before);
+      EXPECT_EQ(lost.how(), "the OpenGL context was lost (reset, through no fault of its own)");
+      EXPECT_EQ(lost.exit(), pipeline::Exit::kEnvironment);
+    }
+    EXPECT_LE(largestDifference(render(renderer, options, pose), cpu), 2.5f / 255.0f);
+    EXPECT_EQ(renderer.tier(), after);
+  }
+}
+
+// Its names are another context's by then, and neither deleted nor drawn with.
+TEST_F(RendererTest, AnotherContextTakesThePlaceOfALostOne) {
+  if (!support_.gpu) GTEST_SKIP() << support_.reason;
+  const BallAsset ball;
+  auto left = std::make_unique<preview::Renderer>(ball.view()),
+       right = std::make_unique<preview::Renderer>(ball.view());
+  RenderOptions options = optionsFor(View::kBeauty);
+  options.tier = Tier::kGpu;
+  const Image expected = render(*left, options);
+  render(*right, options);
+  closeContext();
+  const preview::HeadlessContext another;
+  EXPECT_THROW(render(*left, options), preview::ContextLost);
+  EXPECT_LE(largestDifference(render(*left, options), expected), 2.5f / 255.0f);
+  EXPECT_EQ(left->tier(), Tier::kGpuRaster);
+  EXPECT_THROW(render(*right, options), preview::ContextLost);
+  EXPECT_LE(largestDifference(render(*right, options), expected), 2.5f / 255.0f);
+  EXPECT_LE(largestDifference(render(*left, options), expected), 2.5f / 255.0f);
+  right.reset();
+  EXPECT_LE(largestDifference(render(*left, options), expected), 2.5f / 255.0f);
+  left.reset();  // while its context is current
+}
+
 TEST_F(RendererTest, SamePictureEveryTime) {
   const BallAsset ball;
   preview::Renderer first(ball.view()), second(ball.view());

@@ -7,21 +7,17 @@
 #include <span>
 
 #include "furrow/frame_plan.h"
+#include "furrow/gl/context.h"
 
 namespace furrow::gl {
-
-// How a host that knows better asks whether the context was lost: 0 as long as it was not, a
-// GL_..._CONTEXT_RESET after that.
-using ResetStatus = uint32_t (*)();
 
 class Executor {
  public:
   Executor();
-  ~Executor();  // needs the context, unless it was found lost
+  ~Executor();  // needs the context, unless it was found lost or given up
 
   // Compiles the shaders and makes and fills the buffers. `plan` and the asset it was made from must outlive
-  // the executor. Whether the context was lost is asked of `lost`; null: of glGetGraphicsResetStatus, where
-  // the context was made to tell (EGL_EXT_create_context_robustness, GLFW_CONTEXT_ROBUSTNESS). In either case
+  // the executor. Whether the context was lost is asked of `lost`; null: of resetStatus(). In either case
   // a context in which the executor's objects are no more is a lost one.
   Status create(const FramePlan& plan, ResetStatus lost = nullptr);
 
@@ -35,6 +31,9 @@ class Executor {
   // empty: for all. Leaves no program, vertex array and framebuffer bound; the raster form also leaves
   // blending and the rasteriser's discarding off and the viewport changed. kUnavailable as for upload().
   Status run(std::span<const uint32_t> instances = {});
+
+  // The host found the context lost: nothing is deleted, and nothing but the destructor may be called.
+  void giveUp();
 
   // Waits. In the raster form kPointQ is divided from the sums here.
   void read(Buffer buffer, std::span<std::byte> bytes, uint64_t offset = 0) const;

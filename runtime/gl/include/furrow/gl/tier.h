@@ -14,6 +14,7 @@ enum class Tier : uint8_t {
   kCpu,
 };
 const char* tierName(Tier tier);  // "gpu", "gpu-raster", "cpu"
+Tier nextTier(Tier tier);         // where this one is no more; after kCpu, kCpu
 
 // Which of them the current context can run, and if not why.
 struct Support {
