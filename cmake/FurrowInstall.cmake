@@ -1,4 +1,4 @@
-# The installed package: find_package(furrow CONFIG [COMPONENTS runtime|gl|tool ...]).
+# The installed package: find_package(furrow CONFIG [COMPONENTS runtime|gl|tool ...]), or pkg-config for furrow.h and libfurrow.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(furrow_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/furrow)
@@ -13,13 +13,18 @@ endmacro()
 
 furrow_install(runtime furrow_runtime furrow_shared)
 install(DIRECTORY runtime/include/furrow DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY runtime/shaders DESTINATION ${CMAKE_INSTALL_DATADIR}/furrow)
+install(FILES runtime/shaders/furrow_shade.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/furrow/shaders)
+file(RELATIVE_PATH furrow_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" furrow_prefix "${furrow_prefix}")
+configure_file(cmake/furrow.pc.in ${PROJECT_BINARY_DIR}/furrow.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/furrow.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 if(FURROW_BUILD_GL)
   furrow_install(gl furrow_gl)
   install(DIRECTORY runtime/gl/include/furrow DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endif()
 if(FURROW_BUILD_EDITOR)
   furrow_install(tool furrow)
+  install(TARGETS furrow-editor)
   install(TARGETS furrow_images LIBRARY DESTINATION lib/furrow)  # where the tool looks for it, whatever CMAKE_INSTALL_LIBDIR
   install(FILES cmake/FurrowAddAsset.cmake DESTINATION ${furrow_package_dir})
 endif()

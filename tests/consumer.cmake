@@ -38,6 +38,16 @@ build_cooks(brow cuff)
 run_well(${build}/game ${brow} ${cuff})
 run_well(${build}/plain ${cuff})
 
+# The same program without CMake.
+find_program(pkg_config pkg-config)
+file(GLOB_RECURSE pc ${PREFIX}/*/furrow.pc)
+get_filename_component(pc_folder "${pc}" DIRECTORY)
+run_well(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc_folder} ${pkg_config} --cflags --libs furrow)
+separate_arguments(flags UNIX_COMMAND "${said}")
+get_filename_component(library_folder ${pc_folder} DIRECTORY)
+run_well(cc -std=c99 ${source}/plain.c ${flags} -o ${SCRATCH}/plain)
+run_well(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${library_folder} ${SCRATCH}/plain ${cuff})
+
 set(touched "nothing")
 build_cooks()
 foreach(pair lines.pgm:brow weave.pgm:cuff brow.json:brow cuff.obj:cuff)

@@ -6,9 +6,9 @@ packages=(
   # build
   cmake make ninja-build g++ pkg-config flatbuffers-compiler
   # runtime
-  libflatbuffers-dev libmeshoptimizer-dev libxxhash-dev libdraco-dev libhwy-dev libepoxy-dev glslang-tools spirv-tools
+  libflatbuffers-dev libxxhash-dev libdraco-dev libhwy-dev libepoxy-dev glslang-tools spirv-tools
   # pipeline and tools
-  libglm-dev libtinygltf-dev nlohmann-json3-dev libopenmesh-dev libopenimageio-dev libpng-dev libeigen3-dev libstb-dev libcli11-dev
+  libglm-dev libtinygltf-dev nlohmann-json3-dev libmeshoptimizer-dev libopenmesh-dev libopenimageio-dev libpng-dev libeigen3-dev libstb-dev libcli11-dev
   # preview and editor
   libimgui-dev libglfw3-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # figures
