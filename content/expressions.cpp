@@ -71,7 +71,7 @@ dvec3 browInnerUp(const HeadPoint& point) {
 
 dvec3 browOuterUp(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double w = forehead(p.y) * std::exp(-std::pow((p.x - 4.4) / 2.0, 2)) * front(p);
+  const double w = forehead(p.y) * std::exp(-std::pow((p.x - 4.2) / 2.3, 2)) * front(p);
   return dvec3(0.0, 0.95, -0.25) * w;
 }
 
@@ -91,23 +91,27 @@ dvec3 eyeBlink(const HeadPoint& point) {
   return closeLids(point, 1.0, 1.0);
 }
 
-// Orbicularis oculi: the lids narrow, the skin beside the outer corner is gathered to its height.
+// The skin beside the outer corner of the eye is gathered to the corner's height.
+dvec3 gatheredTemple(dvec3 p) {
+  const double temple = spot(p, {5.6, 0.0}, {1.2, 2.2}) *
+                        smoothRamp(head::kEyeOuter - 0.1, head::kEyeOuter + 0.9, p.x) * front(p);
+  return dvec3(-0.22, -0.50 * p.y * std::exp(-std::pow(p.y / 1.7, 2)), 0.12) * temple;
+}
+
+// Orbicularis oculi: the lids narrow.
 dvec3 eyeSquint(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double lids = smoothRamp(0.9, 1.5, std::abs(p.y));
-  const double temple = spot(p, {5.6, 0.0}, {1.2, 2.2}) *
-                        smoothRamp(head::kEyeOuter - 0.1, head::kEyeOuter + 0.9, p.x) * front(p);
-  const dvec3 gathered = dvec3(-0.22, -0.50 * p.y * std::exp(-std::pow(p.y / 1.7, 2)), 0.12) * temple;
   const double cheek = spot(p, {3.9, -1.9}, {1.7, 0.9}) * smoothRamp(-0.85, -1.5, p.y);
   const double brow = spot(p, {3.9, 1.9}, {1.8, 0.8}) * lids * aboveLids(p);
-  return closeLids(point, 0.24, 1.5) + gathered + dvec3(0.0, 0.36, 0.12) * cheek +
+  return closeLids(point, 0.24, 1.5) + gatheredTemple(p) + dvec3(0.0, 0.36, 0.12) * cheek +
          dvec3(0, -0.22, 0.05) * brow;
 }
 
 dvec3 cheekSquint(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double w = spot(p, {3.8, -2.6}, {1.7, 1.25}) * smoothRamp(-0.75, -1.6, p.y) * front(p);
-  return dvec3(0.05, 0.62, 0.22) * w + closeLids(point, 0.0, 0.7);
+  return dvec3(0.05, 0.62, 0.22) * w + 0.5 * gatheredTemple(p) + closeLids(point, 0.0, 0.7);
 }
 
 double side(double x) {
@@ -141,8 +145,9 @@ dvec3 mouthFrown(const HeadPoint& point) {
 
 dvec3 mouthStretch(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double neck = spot(p, {3.2, -11.0}, {2.2, 2.2}) * side(p.x) * front(p);
-  return dvec3(0.62, -0.22, -0.45) * corner(p) + dvec3(0.10, -0.15, 0.0) * neck;
+  // Platysma draws the skin of the neck up.
+  const double neck = spot(p, {3.0, -11.6}, {3.0, 1.3}) * side(p.x) * smoothRamp(-9.0, -6.0, p.z);
+  return dvec3(0.62, -0.22, -0.45) * corner(p) + dvec3(0.10, -0.35, 0.05) * neck;
 }
 
 // About the middle of the mouth, with the lips parted by `apart`.
@@ -151,7 +156,7 @@ dvec3 purse(const HeadPoint& point, double narrow, double forward, double apart)
   const double up = p.y - head::lipLine(0.0);
   const double about = std::exp(-std::pow(p.x / 3.6, 4) - std::pow(up / 2.4, 2)) * front(p);
   const double lips = std::exp(-std::pow(p.x / 1.9, 2) - std::pow(up / 1.15, 2)) * front(p);
-  const double open = apart * std::exp(-std::pow(p.x / 1.7, 2) - std::pow(up / 1.5, 2)) * front(p);
+  const double open = apart * std::exp(-std::pow(p.x / 1.9, 4) - std::pow(up / 1.5, 2)) * front(p);
   return dvec3(-narrow * p.x * about, -0.10 * up * about + (point.lower_lip ? -open : 0.8 * open),
                forward * lips);
 }
@@ -166,7 +171,7 @@ dvec3 mouthFunnel(const HeadPoint& point) {
 
 dvec3 mouthUpperUp(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double lip = spot(p, {1.1, -6.4}, {1.2, 1.15}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0) * front(p);
+  const double lip = spot(p, {0.9, -6.4}, {1.6, 1.15}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0) * front(p);
   const head::Fold fold = head::nasolabialFold(p);
   const double cheek = spot(p, {3.0, -4.6}, {1.2, 1.2}) * side(p.x) * smoothRamp(-0.2, 0.7, fold.distance);
   return dvec3(0.05, 0.46, 0.06) * lip + dvec3(0.0, 0.20, 0.18) * cheek * front(p);
@@ -174,7 +179,7 @@ dvec3 mouthUpperUp(const HeadPoint& point) {
 
 dvec3 mouthLowerDown(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double lip = spot(p, {1.1, -7.7}, {1.2, 1.1}) * side(p.x) * (point.lower_lip ? 1.0 : 0.0) * front(p);
+  const double lip = spot(p, {0.9, -7.7}, {1.6, 1.1}) * side(p.x) * (point.lower_lip ? 1.0 : 0.0) * front(p);
   return dvec3(0.04, -0.48, 0.04) * lip;
 }
 
@@ -203,20 +208,23 @@ dvec3 noseSneer(const HeadPoint& point) {
          front_face;
 }
 
-// The jaw turns about its hinge before the ear; the corner of the mouth follows by less than half, so that
-// the cheek is stretched.
+// The jaw turns about its hinge before the ear; the corner of the mouth follows by less than half and is
+// drawn in, so that the cheek is stretched.
 dvec3 jawOpen(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double beyond = std::max(0.0, std::abs(p.x) / head::kMouth - 1.0);
   const double u = std::min(std::abs(p.x) / head::kMouth, 1.0);
   const double above = p.y - head::lipLine(std::min(std::abs(p.x), head::kMouth));
   const double length = 1.25 + 1.6 * beyond;
-  const double corner = u * u * u * u * std::exp(-above * above / (length * length));
+  const double corner = std::pow(u, 2.5) * std::exp(-above * above / (length * length));
   const double follow = point.bone        ? (point.lower_lip ? 1.0 : 0.0)
                         : point.lower_lip ? 1.0 - 0.58 * corner
                                           : 0.42 * corner;
   const double fade = smoothRamp(-16.0, -10.8, p.y + 0.45 * std::min(p.z, 0.0)) * smoothRamp(-9.0, -5.0, p.z);
-  return turnAboutX(p, {0, -2.6, -6.8}, -glm::radians(13.0) * follow * fade) - p;
+  const dvec3 m(std::abs(p.x), p.y, p.z);
+  const double drawn_in = point.bone ? 0.0 : spot(m, {2.4, -7.1}, {1.5, 1.8}) * front(p);
+  return turnAboutX(p, {0, -2.6, -6.8}, -glm::radians(13.0) * follow * fade) - p -
+         dvec3(0.11 * p.x, 0, 0) * drawn_in;
 }
 
 struct Expression {

@@ -122,15 +122,18 @@ Painting paintingAt(dvec3 p) {
   const auto [beside, across] = head::nasolabialFold(dvec2(m));
   const double distance = std::abs(beside - 0.05);
   const double mouth = smoothRamp(0.95, 0.1, distance) * smoothRamp(-2.9, -4.3, m.y) *
-                       smoothRamp(-8.9, -7.4, m.y) * smoothRamp(1.0, 1.7, m.x) * smoothRamp(-3.0, -1.0, m.z);
+                       smoothRamp(-8.6, -6.8, m.y) * smoothRamp(1.0, 1.7, m.x) * smoothRamp(-3.0, -1.0, m.z);
   const double chin =
       smoothRamp(1.0, 0.4, glm::length(dvec2(m.x / 2.1, (m.y + 9.6) / 1.5))) * smoothRamp(-1.0, 0.5, m.z);
   const double about_lips =
       smoothRamp(1.0, 0.45, glm::length(dvec2(m.x / 2.7, (m.y + 6.95) / 1.75))) * smoothRamp(-0.5, 0.5, m.z);
 
+  const double neck = smoothRamp(-10.9, -11.8, m.y + 0.3 * m.z + 0.9) * smoothRamp(7.2, 4.8, m.x) *
+                      smoothRamp(-11.0, -8.0, m.z);
+
   Painting result;
   result.mask_a = glm::vec4(forehead, glabella, std::max(crow, 0.75 * under_eye), bunny);
-  result.mask_b = glm::vec4(mouth, chin, about_lips, 1.0);
+  result.mask_b = glm::vec4(mouth, chin, about_lips, neck);
   // Beside the corner of the eye creases are spokes of it; under the eye they run along the lid.
   const dvec3 about(-from_corner.y * mirror, from_corner.x, 0.0);
   result.eye = tangent(p, reach > 1e-6 ? glm::mix(dvec3(0.15 * mirror, 1, 0), glm::normalize(about),
@@ -142,9 +145,9 @@ Painting paintingAt(dvec3 p) {
 
   // Lines that never leave: two on the forehead, one under each eye, a trace of the nasolabial fold.
   double bias =
-      0.07 * std::exp(-std::pow((m.y - 4.4 - 0.12 * std::cos(m.x)) / 0.55, 2)) * smoothRamp(4.2, 2.4, m.x);
-  bias += 0.05 * under_eye;
-  bias += 0.08 * std::exp(-std::pow(distance / 0.45, 2)) * mouth * smoothRamp(-6.8, -5.6, m.y);
+      0.04 * std::exp(-std::pow((m.y - 4.4 - 0.12 * std::cos(m.x)) / 0.55, 2)) * smoothRamp(4.2, 2.4, m.x);
+  bias += 0.03 * under_eye;
+  bias += 0.05 * std::exp(-std::pow(distance / 0.45, 2)) * mouth * smoothRamp(-6.8, -5.6, m.y);
   result.bias = static_cast<float>(0.5 + bias * in_front);
   return result;
 }

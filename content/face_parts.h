@@ -46,7 +46,7 @@ Mesh eyeball();
 
 // face_paint.cpp: what an artist would paint on the skin.
 struct Painting {
-  glm::vec4 mask_a, mask_b;    // forehead, glabella, crow's feet, bunny lines; mouth, chin, lips, 1
+  glm::vec4 mask_a, mask_b;    // forehead, glabella, crow's feet, bunny lines; mouth, chin, lips, neck
   glm::vec3 eye, nose, mouth;  // across the creases, unit
   float bias;                  // neutral 0.5
 };

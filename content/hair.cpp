@@ -57,7 +57,7 @@ dvec3 tangential(dvec3 v, dvec3 normal) {
 FacePart brows() {
   FacePart part;
   Random random(11);
-  for (int hair = 0; hair < 4000 && part.materials.size() < 410 * 4; ++hair) {
+  for (int hair = 0; hair < 4000 && part.materials.size() < 380 * 4; ++hair) {
     const double x = random.between(0.85, 5.1), y = random.between(1.0, 2.8);
     const double keep = random.next(), bend = random.next(), shade = random.next(), length = random.next();
     const dvec3 root = head::trace({x, y, 9}, {0, 0, -1});
@@ -99,7 +99,7 @@ FacePart lashes() {
         const double s = k / 2.0;
         spine.push_back(root + length * (fan * s + dvec3(0, (lower ? -0.35 : 0.75) * s * s, 0)));
       }
-      addRibbon(part, spine, 0.05, {root, false, lower}, dvec3(0.012, 0.008, 0.006), 0.8, kBrows);
+      addRibbon(part, spine, 0.038, {root, false, lower}, dvec3(0.012, 0.008, 0.006), 0.8, kBrows);
     }
   };
   row(false, 52, 0.33);
@@ -140,7 +140,7 @@ FacePart hair() {
       at += tangential(way, head::normal(spine.back())) * (length / kSegments);
     }
     const dvec3 dark(0.026, 0.016, 0.011), light(0.115, 0.068, 0.040);
-    addRibbon(part, spine, glm::mix(0.18, 0.34, top), {root}, glm::mix(dark, light, shade * shade),
+    addRibbon(part, spine, glm::mix(0.17, 0.29, top), {root}, glm::mix(dark, light, shade * shade),
               0.35 * stray, kHairs);
   }
   return part;

@@ -5,14 +5,15 @@
 namespace furrow::content {
 
 // A man's head and collar: 30 ARKit-named morph targets, clip "performance". Masks in _MASK_A: forehead,
-// glabella, crow's feet, bunny lines; in _MASK_B: beside the mouth, chin, lips; directions across the creases
-// in _DIR_EYE, _DIR_NOSE and _DIR_MOUTH; rest bias in _BIAS.x (neutral 0.5); colours in COLOR_0.
+// glabella, crow's feet, bunny lines; in _MASK_B: beside the mouth, chin, lips, neck; directions across the
+// creases in _DIR_EYE, _DIR_NOSE and _DIR_MOUTH; rest bias in _BIAS.x (neutral 0.5); colours in COLOR_0.
 Scene buildFace();
 
 // A bomber jacket: joints hips, spine, chest, and an upper arm and a forearm a side, each with a helper that
-// turns half as far; clips "bend" (elbows), "raise" (arms up, then down), "twist", "lean" and "sway". Masks in
-// _MASK_A: elbow, shoulder and armpit, waist, waist; in _MASK_B.r: above hem and cuffs. Directions across the
-// folds in _DIR_ALONG, _DIR_AROUND, _DIR_TWIST_LEFT and _DIR_TWIST_RIGHT; rest bias in _BIAS.x (neutral 0.5).
+// turns half as far; clips "bend" (elbows), "raise" (arms up, then down), "twist", "lean" and "sway". Masks
+// in _MASK_A: elbow, shoulder and armpit, waist, waist; in _MASK_B.r: above hem and cuffs. Directions across
+// the folds in _DIR_ALONG, _DIR_AROUND, _DIR_TWIST_LEFT and _DIR_TWIST_RIGHT; rest bias in _BIAS.x (neutral
+// 0.5).
 Scene buildJacket();
 
 // A shirt sleeve on an arm: joints upperArm, foreArm, foreArmTwist, hand; clips "bend" and "twist". Masks in

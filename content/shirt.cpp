@@ -28,7 +28,7 @@ FacePart shirt() {
     for (uint32_t spoke = 0; spoke < kSpokes; ++spoke) {
       const double turn = 2 * kPi * spoke / kSpokes - kPi;
       // Seen from within the neck, the edge lies deeper in front; the shoulders fan out below it.
-      const double edge = -10.9 - 2.3 * (0.5 + 0.5 * std::cos(turn));
+      const double edge = -11.2 - 2.7 * (0.5 + 0.5 * std::cos(turn));
       const bool roll = ring < std::size(kRoll);
       const double t = roll ? 0 : static_cast<double>(ring + 1 - std::size(kRoll)) / kDown;
       const double fall = roll ? 0.35 : glm::mix(0.35, 1.22, std::pow(t, 0.8));

@@ -75,7 +75,7 @@ class HalfFace {
       return 0.21 - 0.10 * std::max({eyes, mouth, 0.9 * brows}) - 0.05 * nose + 0.2 * throat + 0.35 * scalp;
     };
     angles_ = stations(0.0, kPi, 4, angle_step);
-    heights_ = stations(-14.8, kShoulder + 1.555 * kDome, 2, height_step);
+    heights_ = stations(-15.3, kShoulder + 1.555 * kDome, 2, height_step);
     side_ = nearest(angles_, 1.02) / 4 * 4;
     eye_row_ = nearest(heights_, -0.02);
     mouth_row_ = nearest(heights_, -7.0);
@@ -345,6 +345,10 @@ void addTeeth(FacePart& skin, bool lower) {
       const double edge = lower ? -7.02 : -7.26 + 0.06 * (1 - tooth), root = lower ? -7.75 : -6.45;
       const double bulge = 0.10 * std::pow(tooth, 0.35) + 0.06 * std::sin(kPi * v) - (lower ? 0.22 : 0.0);
       const dvec3 p(x, glm::mix(edge, root, v), arch + bulge);
+      // Brightest in front and in the middle of a tooth, dark in the gaps and where the cheeks shade them.
+      const double bright =
+          (0.45 + 0.55 * std::pow(tooth, 0.5)) * smoothRamp(1.05, 0.25, std::abs(u)) * glm::mix(1.0, 0.75, v);
+      skin.colors.push_back(dvec3(1.0, 0.95, 0.86) * glm::mix(0.25, 1.0, bright));
       mesh.addVertex(skin.addPoint(p, lower, lower),
                      {0.02 + 0.96 * (u + 1) / 2, (lower ? 0.088 : 0.072) + 0.012 * v});
     }

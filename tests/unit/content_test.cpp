@@ -402,6 +402,21 @@ TEST(Content, SmileSqueezesTheCheekAcrossTheFoldAndJawOpenStretchesIt) {
   EXPECT_GT(lengthRatio(skin, morphed(skin, {"jawOpen"}), {0, 1, 0}, beside_mouth), 1.15);
 }
 
+TEST(Content, JawOpenSqueezesTheThroatAndDrawsTheMouthIn) {
+  const Primitive& skin = part(face(), "skin");
+  const auto posed = morphed(skin, {"jawOpen"});
+  EXPECT_LT(lengthRatio(skin, posed, {0, 1, 0}, [](glm::vec3 p) { return p.y < -0.12f && p.z > -0.05f; }),
+            0.95);
+  size_t corners = 0;
+  for (size_t v = 0; v < posed.size(); ++v) {
+    const glm::vec3 p = skin.positions[v];
+    if (glm::distance(glm::vec2(std::abs(p.x), p.y), glm::vec2(0.0255f, -0.07f)) > 0.001f) continue;
+    EXPECT_LT(std::abs(posed[v].x), 0.95f * std::abs(p.x));
+    ++corners;
+  }
+  EXPECT_GT(corners, 1u);
+}
+
 TEST(Content, ClosedLidsCoverTheEyeball) {
   const auto posed = morphed(part(face(), "skin"), {"eyeBlinkLeft"});
   const glm::vec3 eye = face().nodes[2].translation;
