@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -25,44 +26,39 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 
+constexpr uint32_t kWidest = 4;
+
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
   return load(positions + corner[0]);
 }
 
-// Of eight points.
-struct Ring {
-  Lanes low = all(0.0f), high = all(0.0f);
-};
-HWY_INLINE Lanes gather(const float* from, const uint16_t* index) {
-  return each([&](int i) { return from[index[i]]; });
-}
-HWY_INLINE void addStep(Ring& sum, const float* triangle_q, const uint16_t* entry) {
-  sum.low = sum.low + fromUint16(entry + kRingLanes) * gather(triangle_q, entry);
-  sum.high = sum.high + fromUint16(entry + kRingLanes + 4) * gather(triangle_q, entry + 4);
-}
-HWY_INLINE void storeSums(const Ring& sum, float* out) {
-  store(sum.low, out);
-  store(sum.high, out + 4);
-}
+// The rings of kRingLanes points in kLayers layers, whose q lie side by side.
+template <uint32_t kLayers>
+struct Rings {
+  float sum[kRingLanes][kLayers] = {};
 
-// Of eight points and four layers.
-struct RingPack {
-  Lanes sum[kRingLanes];
-  RingPack() { std::fill_n(sum, kRingLanes, all(0.0f)); }
-};
-HWY_INLINE void addStep(RingPack& ring, const float* triangle_q, const uint16_t* entry) {
-  for (uint32_t i = 0; i < kRingLanes; ++i)
-    ring.sum[i] = ring.sum[i] + all(static_cast<float>(entry[kRingLanes + i])) *
-                                    load(triangle_q + kPack * size_t{entry[i]});
-}
-HWY_INLINE void storeSums(RingPack& ring, float* out, size_t step) {
-  for (uint32_t i = 0; i < kRingLanes; i += 4) {
-    transpose(ring.sum[i], ring.sum[i + 1], ring.sum[i + 2], ring.sum[i + 3]);
-    for (uint32_t l = 0; l < kPack; ++l) store(ring.sum[i + l], out + l * step + i);
+  void addStep(const float* triangle_q, const uint16_t* entry) {
+    for (uint32_t i = 0; i < kRingLanes; ++i)
+      for (uint32_t l = 0; l < kLayers; ++l)
+        sum[i][l] = sum[i][l] +
+                    static_cast<float>(entry[kRingLanes + i]) * triangle_q[kLayers * size_t{entry[i]} + l];
   }
+  void store(float* out, size_t step) const {
+    for (uint32_t l = 0; l < kLayers; ++l)
+      for (uint32_t i = 0; i < kRingLanes; ++i) out[l * step + i] = sum[i][l];
+  }
+};
+
+template <uint32_t kLayers>
+HWY_INLINE void storeSideBySide(const float* q, size_t step, float* out) {
+  for (uint32_t i = 0; i < kWidth; ++i)
+    for (uint32_t l = 0; l < kLayers; ++l) out[kLayers * i + l] = q[l * step + i];
 }
 
 #else
+
+// Layers that are smoothed at once.
+constexpr uint32_t kWidest = HWY_MAX_BYTES >= 32 ? 8 : 4;
 
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
@@ -78,16 +74,12 @@ HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
 #endif
 }
 
-// Of eight points, in one vector or two.
-using DRing = hn::CappedTag<float, 8>;
+// kRingLanes floats, in one vector or two.
+using DRing = hn::CappedTag<float, kRingLanes>;
 using RingVector = hn::Vec<DRing>;
-constexpr size_t kRingWidth = HWY_MAX_BYTES >= 32 ? 8 : 4;
-struct Ring {
-  RingVector sum[8 / kRingWidth];
-  HWY_INLINE Ring() {
-    for (RingVector& s : sum) s = hn::Zero(DRing());
-  }
-};
+constexpr uint32_t kRingWidth = HWY_MAX_BYTES >= 32 ? 8 : 4;
+constexpr uint32_t kRingVectors = kRingLanes / kRingWidth;
+
 HWY_INLINE Block gather4(const float* from, const uint16_t* index) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128  // four loads: gather instructions are slower on most CPUs
   uint64_t four;
@@ -111,40 +103,136 @@ HWY_INLINE RingVector ringWeights(const uint16_t* p) {
   const hn::Rebind<int32_t, DRing> d32;
   return hn::ConvertTo(DRing(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
 }
-HWY_INLINE void addStep(Ring& ring, const float* triangle_q, const uint16_t* entry) {
-  for (size_t i = 0; i < 8 / kRingWidth; ++i)
-    ring.sum[i] = ring.sum[i] + ringWeights(entry + kRingLanes + kRingWidth * i) *
-                                    gather(triangle_q, entry + kRingWidth * i);
-}
-HWY_INLINE void storeSums(const Ring& ring, float* out) {
-  for (size_t i = 0; i < 8 / kRingWidth; ++i) hn::StoreU(ring.sum[i], DRing(), out + kRingWidth * i);
-}
 
-// Of eight points and four layers.
-struct RingPack {
-  Block sum[kRingLanes];
-  HWY_INLINE RingPack() {
-    for (Block& s : sum) s = hn::Zero(D4());
+// The rings of kRingLanes points in kLayers layers, whose q lie side by side.
+template <uint32_t kLayers>
+struct Rings {
+  using DLayers = hn::FixedTag<float, kLayers>;
+  hn::Vec<DLayers> sum[kRingLanes];
+
+  HWY_INLINE Rings() {
+    for (auto& s : sum) s = hn::Zero(DLayers());
+  }
+  HWY_INLINE void addStep(const float* triangle_q, const uint16_t* entry) {
+    for (uint32_t i = 0; i < kRingLanes; i += 4, entry += 4) {
+      const auto weights = weightsOf(entry + kRingLanes);
+      sum[i] = sum[i] + hn::Broadcast<0>(weights) * load(triangle_q, entry[0]);
+      sum[i + 1] = sum[i + 1] + hn::Broadcast<1>(weights) * load(triangle_q, entry[1]);
+      sum[i + 2] = sum[i + 2] + hn::Broadcast<2>(weights) * load(triangle_q, entry[2]);
+      sum[i + 3] = sum[i + 3] + hn::Broadcast<3>(weights) * load(triangle_q, entry[3]);
+    }
+  }
+  // Layer l's sums to `out + l * step`.
+  HWY_INLINE void store(float* out, size_t step) {
+    const DLayers d;
+    for (uint32_t i = 0; i < kRingLanes; i += 4) {
+      const auto* s = sum + i;
+      const auto ac0 = hn::InterleaveLower(d, s[0], s[2]), ac1 = hn::InterleaveUpper(d, s[0], s[2]);
+      const auto be0 = hn::InterleaveLower(d, s[1], s[3]), be1 = hn::InterleaveUpper(d, s[1], s[3]);
+      storeRows(hn::InterleaveLower(d, ac0, be0), out + i, 4 * step);
+      storeRows(hn::InterleaveUpper(d, ac0, be0), out + step + i, 4 * step);
+      storeRows(hn::InterleaveLower(d, ac1, be1), out + 2 * step + i, 4 * step);
+      storeRows(hn::InterleaveUpper(d, ac1, be1), out + 3 * step + i, 4 * step);
+    }
+  }
+
+ private:
+  // Of four points, in each block.
+  HWY_INLINE static hn::Vec<DLayers> weightsOf(const uint16_t* p) {
+    const hn::Rebind<uint16_t, D4> d16;
+    const hn::Rebind<int32_t, D4> d32;
+    const Block weights = hn::ConvertTo(D4(), hn::PromoteTo(d32, hn::LoadU(d16, p)));
+    if constexpr (kLayers == 8)
+      return hn::Combine(DLayers(), weights, weights);
+    else
+      return weights;
+  }
+  HWY_INLINE static hn::Vec<DLayers> load(const float* triangle_q, size_t triangle) {
+    return hn::LoadU(DLayers(), triangle_q + kLayers * triangle);
+  }
+  // Four points of layer l, and of layer l + 4 where there are so many.
+  HWY_INLINE static void storeRows(hn::Vec<DLayers> row, float* out, size_t step) {
+    if constexpr (kLayers == 8) {
+      hn::StoreU(hn::LowerHalf(D4(), row), D4(), out);
+      hn::StoreU(hn::UpperHalf(D4(), row), D4(), out + step);
+    } else {
+      hn::StoreU(row, D4(), out);
+    }
   }
 };
-HWY_INLINE void addStep(RingPack& ring, const float* triangle_q, const uint16_t* entry) {
-  alignas(32) float weights[kRingLanes];
-  for (size_t i = 0; i < 8 / kRingWidth; ++i)
-    hn::Store(ringWeights(entry + kRingLanes + kRingWidth * i), DRing(), weights + kRingWidth * i);
-  for (uint32_t i = 0; i < kRingLanes; ++i)
-    ring.sum[i] =
-        ring.sum[i] + hn::Set(D4(), weights[i]) * hn::LoadU(D4(), triangle_q + kPack * size_t{entry[i]});
-}
-HWY_INLINE void storeSums(RingPack& ring, float* out, size_t step) {
-  const D4 d;
-  for (uint32_t i = 0; i < kRingLanes; i += 4) {
-    const Block* s = ring.sum + i;
-    const Block ac0 = hn::InterleaveLower(d, s[0], s[2]), ac1 = hn::InterleaveUpper(d, s[0], s[2]);
-    const Block be0 = hn::InterleaveLower(d, s[1], s[3]), be1 = hn::InterleaveUpper(d, s[1], s[3]);
-    hn::StoreU(hn::InterleaveLower(d, ac0, be0), d, out + i);
-    hn::StoreU(hn::InterleaveUpper(d, ac0, be0), d, out + step + i);
-    hn::StoreU(hn::InterleaveLower(d, ac1, be1), d, out + 2 * step + i);
-    hn::StoreU(hn::InterleaveUpper(d, ac1, be1), d, out + 3 * step + i);
+
+template <>
+struct Rings<1> {
+  RingVector sum[kRingVectors];
+
+  HWY_INLINE Rings() {
+    for (RingVector& s : sum) s = hn::Zero(DRing());
+  }
+  HWY_INLINE void addStep(const float* triangle_q, const uint16_t* entry) {
+    for (uint32_t i = 0; i < kRingVectors; ++i, entry += kRingWidth)
+      sum[i] = sum[i] + ringWeights(entry + kRingLanes) * gather(triangle_q, entry);
+  }
+  HWY_INLINE void store(float* out, size_t) const {
+    for (uint32_t i = 0; i < kRingVectors; ++i) hn::StoreU(sum[i], DRing(), out + kRingWidth * i);
+  }
+};
+
+// Points 0, 1, 4 and 5, then the others; each has both its layers side by side.
+template <>
+struct Rings<2> {
+  RingVector sum[kRingVectors][2];
+
+  HWY_INLINE Rings() {
+    for (auto& s : sum) s[0] = s[1] = hn::Zero(DRing());
+  }
+  HWY_INLINE void addStep(const float* triangle_q, const uint16_t* entry) {
+    const DRing d;
+    for (uint32_t i = 0; i < kRingVectors; ++i, entry += kRingWidth) {
+      const RingVector weights = ringWeights(entry + kRingLanes);
+      sum[i][0] = sum[i][0] + hn::InterleaveLower(d, weights, weights) * gatherPairs(triangle_q, entry);
+      sum[i][1] = sum[i][1] + hn::InterleaveUpper(d, weights, weights) * gatherPairs(triangle_q, entry + 2);
+    }
+  }
+  HWY_INLINE void store(float* out, size_t step) const {
+    const DRing d;
+    for (uint32_t i = 0; i < kRingVectors; ++i) {
+      const auto low = hn::InterleaveLower(d, sum[i][0], sum[i][1]),
+                 high = hn::InterleaveUpper(d, sum[i][0], sum[i][1]);
+      hn::StoreU(hn::InterleaveLower(d, low, high), d, out + kRingWidth * i);
+      hn::StoreU(hn::InterleaveUpper(d, low, high), d, out + step + kRingWidth * i);
+    }
+  }
+
+ private:
+  HWY_INLINE static Block pairs(const float* from, const uint16_t* index) {
+    const hn::FixedTag<float, 2> d;
+    return hn::Combine(D4(), hn::LoadU(d, from + 2 * size_t{index[1]}),
+                       hn::LoadU(d, from + 2 * size_t{index[0]}));
+  }
+  HWY_INLINE static RingVector gatherPairs(const float* from, const uint16_t* index) {
+#if HWY_MAX_BYTES >= 32
+    return hn::Combine(DRing(), pairs(from, index + 4), pairs(from, index));
+#else
+    return pairs(from, index);
+#endif
+  }
+};
+
+// q of kWidth triangles in kLayers layers, `step` apart, the layers of each triangle side by side.
+template <uint32_t kLayers>
+HWY_INLINE void storeSideBySide(const float* q, size_t step, float* out) {
+  if constexpr (kLayers == 1) {
+    store(load(q), out);
+  } else if constexpr (kLayers == 2) {
+    const D d;
+    storeBlocks(hn::InterleaveLower(d, load(q), load(q + step)), out, 8);
+    storeBlocks(hn::InterleaveUpper(d, load(q), load(q + step)), out + 4, 8);
+  } else {
+    for (uint32_t l = 0; l < kLayers; l += 4, q += 4 * step) {
+      Lanes rows[4] = {load(q), load(q + step), load(q + 2 * step), load(q + 3 * step)};
+      transpose(rows[0], rows[1], rows[2], rows[3]);
+      for (uint32_t i = 0; i < 4; ++i) storeBlocks(rows[i], out + kLayers * i + l, 4 * kLayers);
+    }
   }
 }
 
@@ -154,7 +242,8 @@ HWY_INLINE void storeSums(RingPack& ring, float* out, size_t step) {
 // the first is full of the cluster at hand.
 class Ahead {
  public:
-  Ahead(const ClusterFrameJob& job, const Cluster& c, const Cluster& next) : job_(job) {
+  Ahead(const ClusterFrameJob& job, const Cluster& c, const Cluster& next)
+      : posed_(job.posed), stride_(job.posed_stride) {
     const uint32_t steps = c.triangles / kTriangleLanes + (c.points + kRingLanes - 1) / kRingLanes;
     const uint32_t* words = job.clusters->words.data();
     word_ = words + (job.posed ? next.slot_vertex : next.pose);
@@ -167,7 +256,7 @@ class Ahead {
   HWY_INLINE void step() {
     for (uint32_t i = 0; i < lines_ && word_ < words_end_; ++i, word_ += kLineWords) fetch(word_);
     for (uint32_t i = 0; i < vertices_ && vertex_ < vertices_end_; ++i, vertex_ += kFetchEvery)
-      fetch(job_.posed + *vertex_ * job_.posed_stride);
+      fetch(posed_ + *vertex_ * stride_);
   }
 
  private:
@@ -179,18 +268,22 @@ class Ahead {
     hwy::Prefetch(at);
 #endif
   }
-  const ClusterFrameJob& job_;
+  const std::byte* posed_;
+  const size_t stride_;
   const uint32_t *word_, *words_end_, *vertex_, *vertices_end_;
   uint32_t lines_, vertices_;
 };
 
-// x, y, z and anything; the last vertex of the host's array must not be read beyond.
+// x, y, z and anything; the last vertex of the host's array must not be read beyond. All that the loop needs
+// is in variables of its own, for the compiler must take `out` to be anywhere.
 HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
   const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
+  const std::byte* posed = job.posed;
+  const size_t stride = job.posed_stride;
   const uint32_t last = job.clusters->asset->vertexCount() - 1;
-  for (uint32_t s = 0; s < c.slots; ++s, out += 4) {
-    const std::byte* from = job.posed + vertex[s] * job.posed_stride;
-    if (vertex[s] == last) {
+  for (const uint32_t* end = vertex + c.slots; vertex < end; ++vertex, out += 4) {
+    const std::byte* from = posed + *vertex * stride;
+    if (*vertex == last) {
       std::memcpy(out, from, sizeof(Float3));
       out[3] = 0.0f;
     } else {
@@ -302,6 +395,7 @@ struct Edges {
 // A measure gives q of kWidth triangles, from the coefficients at c; all-zero coefficients give 0.
 
 struct Directional {
+  static constexpr uint32_t kCoefficients = 2;
   HWY_INLINE static Lanes of(const Edges& e, const float* c, Lanes inverse_scale2) {
     const Lanes c0 = load(c), c1 = load(c + kTriangleLanes);
     const Lanes x = c0 * e.x1 + c1 * e.x2, y = c0 * e.y1 + c1 * e.y2, z = c0 * e.z1 + c1 * e.z2;
@@ -310,6 +404,7 @@ struct Directional {
 };
 
 struct Area {
+  static constexpr uint32_t kCoefficients = 1;
   HWY_INLINE static Lanes of(const Edges& e, const float* c, Lanes inverse_scale2) {
     const Lanes x = e.y1 * e.z2 - e.z1 * e.y2;
     const Lanes y = e.z1 * e.x2 - e.x1 * e.z2;
@@ -319,6 +414,7 @@ struct Area {
 };
 
 struct Principal {
+  static constexpr uint32_t kCoefficients = 3;
   HWY_INLINE static Lanes of(const Edges& e, const float* c, Lanes inverse_scale2) {
     const Lanes c0 = load(c), c1 = load(c + kTriangleLanes), c2 = load(c + 2 * kTriangleLanes);
     const Lanes f1x = c0 * e.x1, f1y = c0 * e.y1, f1z = c0 * e.z1;
@@ -333,11 +429,13 @@ struct Principal {
 
 // q clamped to [0, kMaxQ]. What is not a number is 1, but 0 with coefficients that are all zero: it must not
 // be seen in a ring that the triangle is not in.
-HWY_INLINE Lanes clampQ(Lanes q, const float* c, uint32_t each) {
+template <typename Measured>
+HWY_INLINE Lanes clampedQ(const Edges& edges, const float* c, Lanes inverse_scale2) {
+  const Lanes q = Measured::of(edges, c, inverse_scale2);
   if (allNotNegative(q)) return atMost(q, kMaxQ);
   const Lanes zero = all(0.0f);
   Lanes used = zero;
-  for (uint32_t k = 0; k < each; ++k) {
+  for (uint32_t k = 0; k < Measured::kCoefficients; ++k) {
     const Lanes one = load(c + k * kTriangleLanes);
     used = used + ifNegative(one, zero - one, one);
   }
@@ -345,39 +443,34 @@ HWY_INLINE Lanes clampQ(Lanes q, const float* c, uint32_t each) {
   return ifNotNegative(q, atMost(q, kMaxQ), otherwise);
 }
 
+template <typename Use>
+HWY_INLINE void withMeasure(Measure measure, Use use) {
+  if (measure == Measure::kDirectional)
+    use(Directional());
+  else if (measure == Measure::kArea)
+    use(Area());
+  else
+    use(Principal());
+}
+
 template <typename Measured>
-HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const float* coefficients, uint32_t each,
-                        float scale, const float* positions, Ahead& ahead, float* q) {
-  const Lanes inverse_scale2 = all(1.0f / (scale * scale));
+HWY_INLINE void measureAlone(const Cluster& c, const uint16_t* corner, const float* coefficients,
+                             Lanes inverse_scale2, const float* positions, Ahead& ahead, float* q) {
   for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes) {
     ahead.step();
     for (uint32_t i = 0; i < kTriangleLanes; i += kWidth)
-      store(clampQ(Measured::of(Edges(positions, corner + 3 * i), coefficients + i, inverse_scale2),
-                   coefficients + i, each),
+      store(clampedQ<Measured>(Edges(positions, corner + 3 * i), coefficients + i, inverse_scale2),
             q + group + i);
     corner += 3 * kTriangleLanes;
-    coefficients += each * kTriangleLanes;
+    coefficients += Measured::kCoefficients * kTriangleLanes;
   }
 }
 
-HWY_INLINE void smooth(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
-                       float* sums) {
-  const uint32_t* chunk = words + c.chunks;
-  for (uint32_t point = 0; point < c.points; point += kRingLanes, ++chunk) {
-    ahead.step();
-    Ring ring;
-    const auto* end = reinterpret_cast<const uint16_t*>(words + chunk[1]);
-    for (const auto* entry = reinterpret_cast<const uint16_t*>(words + chunk[0]); entry < end;
-         entry += 2 * kRingLanes)
-      addStep(ring, triangle_q, entry);
-    storeSums(ring, sums + point);
-  }
-}
-
-// The layers of a pack that a cluster measures; the others' coefficients are null.
-struct Pack {
-  const Layer* layers[kPack];
-  const float* coefficients[kPack];
+// The layers of a pass that a cluster measures.
+struct Pass {
+  uint32_t count = 0;
+  Measure measures[kPass];
+  const float* coefficients[kPass];
 };
 
 constexpr uint32_t kBlock = 8 * kTriangleLanes;
@@ -398,55 +491,64 @@ struct EdgeBlock {
   }
 };
 
-template <typename Measured>
-HWY_INLINE void measureBlock(const EdgeBlock& edges, uint32_t count, const float* coefficients, uint32_t each,
-                             Lanes inverse_scale2, float* q) {
-  for (uint32_t i = 0; i < count; i += kWidth) {
-    const float* c = coefficients + i / kTriangleLanes * kTriangleLanes * each + i % kTriangleLanes;
-    store(clampQ(Measured::of(edges.at(i), c, inverse_scale2), c, each), q + i);
+// Calls use(begin, layers) for as many of `count` layers as are smoothed at once; their q lie side by side in
+// so many as `layers` tells, which may be more.
+template <typename Use>
+HWY_INLINE void packs(uint32_t count, Use use) {
+  for (uint32_t begin = 0; begin < count; begin += kWidest) {
+    const uint32_t left = std::min(count - begin, kWidest);
+    if (left == 1)
+      use(begin, std::integral_constant<uint32_t, 1>());
+    else if (left == 2)
+      use(begin, std::integral_constant<uint32_t, 2>());
+    else if (left <= 4)
+      use(begin, std::integral_constant<uint32_t, 4>());
+    else
+      use(begin, std::integral_constant<uint32_t, kWidest>());
   }
 }
 
-// The same for several layers at once: their q lie side by side.
-HWY_INLINE void measurePack(const Cluster& c, const uint16_t* corner, const Pack& pack, float scale,
-                            const float* positions, Ahead& ahead, float* q) {
-  const Lanes inverse_scale2 = all(1.0f / (scale * scale));
+// Several layers at once: a block's edges are worked out for all of them.
+HWY_INLINE void measureTogether(const Cluster& c, const uint16_t* corner, Pass pass, Lanes inverse_scale2,
+                                const float* positions, Ahead& ahead, float* triangle_q) {
   EdgeBlock edges;
-  alignas(64) float of[kPack][kBlock] = {};
+  alignas(64) float q[kPass][kBlock] = {};
   for (uint32_t first = 0; first < c.triangles; first += kBlock) {
     const uint32_t count = std::min(kBlock, c.triangles - first);
     for (uint32_t i = 0; i < count; i += kWidth) {
       if (i % kTriangleLanes == 0) ahead.step();
       edges.set(i, Edges(positions, corner + 3 * size_t{first + i}));
     }
-    for (uint32_t l = 0; l < kPack; ++l) {
-      if (!pack.coefficients[l]) continue;
-      const uint32_t each = coefficientCount(pack.layers[l]->measure);
-      const float* coefficients = pack.coefficients[l] + size_t{first} * each;
-      if (pack.layers[l]->measure == Measure::kDirectional)
-        measureBlock<Directional>(edges, count, coefficients, each, inverse_scale2, of[l]);
-      else if (pack.layers[l]->measure == Measure::kArea)
-        measureBlock<Area>(edges, count, coefficients, each, inverse_scale2, of[l]);
-      else
-        measureBlock<Principal>(edges, count, coefficients, each, inverse_scale2, of[l]);
-    }
-    for (uint32_t i = 0; i < count; i += kWidth)
-      store4(load(of[0] + i), load(of[1] + i), load(of[2] + i), load(of[3] + i),
-             q + kPack * size_t{first + i});
+    for (uint32_t l = 0; l < pass.count; ++l)
+      withMeasure(pass.measures[l], [&](auto measured) HWY_ATTR {
+        const float*& coefficients = pass.coefficients[l];
+        for (uint32_t group = 0; group < count; group += kTriangleLanes) {
+          for (uint32_t i = 0; i < kTriangleLanes; i += kWidth)
+            store(clampedQ<decltype(measured)>(edges.at(group + i), coefficients + i, inverse_scale2),
+                  q[l] + group + i);
+          coefficients += measured.kCoefficients * kTriangleLanes;
+        }
+      });
+    packs(pass.count, [&](uint32_t begin, auto layers) HWY_ATTR {
+      float* out = triangle_q + size_t{begin} * c.triangles + layers * size_t{first};
+      for (uint32_t i = 0; i < count; i += kWidth)
+        storeSideBySide<layers>(q[begin] + i, kBlock, out + layers * i);
+    });
   }
 }
 
-HWY_INLINE void smoothPack(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
-                           float* sums, size_t step) {
+template <uint32_t kLayers>
+HWY_INLINE void smooth(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
+                       float* sums, size_t step) {
   const uint32_t* chunk = words + c.chunks;
   for (uint32_t point = 0; point < c.points; point += kRingLanes, ++chunk) {
     ahead.step();
-    RingPack ring;
+    Rings<kLayers> rings;
     const auto* end = reinterpret_cast<const uint16_t*>(words + chunk[1]);
     for (const auto* entry = reinterpret_cast<const uint16_t*>(words + chunk[0]); entry < end;
          entry += 2 * kRingLanes)
-      addStep(ring, triangle_q, entry);
-    storeSums(ring, sums + point, step);
+      rings.addStep(triangle_q, entry);
+    rings.store(sums + point, step);
   }
 }
 
@@ -458,59 +560,56 @@ HWY_INLINE void divide(const uint16_t* totals, uint32_t points, float* q) {
   }
 }
 
-// q of up to kPack layers from `first_layer`, of the cluster's vertices, where it measures them.
-void measureLayers(const ClusterFrameJob& job, const Cluster& c, uint32_t first_layer, Ahead& ahead,
-                   const ClusterScratch& scratch) {
+// q of the layers from `first` that the cluster measures, of its vertices, in one row each.
+HWY_INLINE void measureLayers(const ClusterFrameJob& job, const Cluster& c, uint32_t first, Ahead& ahead,
+                              const ClusterScratch& scratch) {
   const Clusters& clusters = *job.clusters;
   const AssetView& asset = *clusters.asset;
   const uint32_t* words = clusters.words.data();
   const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
-  Pack pack = {};
-  uint32_t count = 0, one = 0;
-  for (uint32_t l = 0; l < kPack && first_layer + l < asset.layerCount(); ++l) {
-    if (!(c.covered >> (first_layer + l) & 1u)) continue;
-    pack.layers[l] = &asset.layers[first_layer + l];
-    pack.coefficients[l] = reinterpret_cast<const float*>(
-        words + clusters.layer_words[index * asset.layerCount() + first_layer + l]);
-    ++count, one = l;
+  Pass pass;
+  const float* totals[kPass];
+  for (uint32_t l = first; l < std::min(first + kPass, asset.layerCount()); ++l) {
+    if (!(c.covered >> l & 1u)) continue;
+    const Measure measure = asset.layers[l].measure;
+    const auto* coefficients =
+        reinterpret_cast<const float*>(words + clusters.layer_words[index * asset.layerCount() + l]);
+    totals[pass.count] = coefficients + size_t{c.triangles} * coefficientCount(measure);
+    pass.measures[pass.count] = measure;
+    pass.coefficients[pass.count++] = coefficients;
   }
-  if (count == 0) return;
+  if (pass.count == 0) return;
   const auto* corner = reinterpret_cast<const uint16_t*>(words + c.corners);
-  if (count == 1) {
-    const auto run = [&](auto measured) HWY_ATTR {
-      measure<decltype(measured)>(c, corner, pack.coefficients[one],
-                                  coefficientCount(pack.layers[one]->measure), job.scale, scratch.positions,
-                                  ahead, scratch.triangle_q);
-    };
-    if (pack.layers[one]->measure == Measure::kDirectional)
-      run(Directional());
-    else if (pack.layers[one]->measure == Measure::kArea)
-      run(Area());
-    else
-      run(Principal());
-    smooth(c, words, scratch.triangle_q, ahead, scratch.q + one * scratch.padded);
-  } else {
-    measurePack(c, corner, pack, job.scale, scratch.positions, ahead, scratch.triangle_q);
-    smoothPack(c, words, scratch.triangle_q, ahead, scratch.q, scratch.padded);
-  }
+  const Lanes inverse_scale2 = all(1.0f / (job.scale * job.scale));
+  if (pass.count == 1)
+    withMeasure(pass.measures[0], [&](auto measured) HWY_ATTR {
+      measureAlone<decltype(measured)>(c, corner, pass.coefficients[0], inverse_scale2, scratch.positions,
+                                       ahead, scratch.triangle_q);
+    });
+  else
+    measureTogether(c, corner, pass, inverse_scale2, scratch.positions, ahead, scratch.triangle_q);
+  packs(pass.count, [&](uint32_t begin, auto layers) HWY_ATTR {
+    smooth<layers>(c, words, scratch.triangle_q + size_t{begin} * c.triangles, ahead,
+                   scratch.q + begin * scratch.padded, scratch.padded);
+  });
   const auto* extra = reinterpret_cast<const uint16_t*>(words + c.extra_point);
-  for (uint32_t l = 0; l < kPack; ++l) {
-    if (!pack.coefficients[l]) continue;
+  for (uint32_t l = 0; l < pass.count; ++l) {
     float* q = scratch.q + l * scratch.padded;
-    const float* totals =
-        pack.coefficients[l] + size_t{c.triangles} * coefficientCount(pack.layers[l]->measure);
-    divide(reinterpret_cast<const uint16_t*>(totals), c.points, q);
+    divide(reinterpret_cast<const uint16_t*>(totals[l]), c.points, q);
     for (uint32_t i = c.points; i < c.vertices; ++i) q[i] = q[extra[i - c.points]];
   }
 }
 
-// One half of the weights of a pair of layers, from q in `q` if the cluster measures the layer.
-void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, float* q,
-                  const ClusterScratch& scratch) {
+// One half of the weights of a pair of layers. The rows of q are those of the layers that the cluster
+// measures; the first row after them is free for the others.
+void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, const ClusterScratch& scratch) {
   const Clusters& clusters = *job.clusters;
   const Layer& layer = clusters.asset->layers[l];
   const uint32_t* vertex = &clusters.words[c.slot_vertex];
-  if (!(c.covered >> l & 1u)) std::fill_n(q, c.vertices, 1.0f);
+  const bool measured = c.covered >> l & 1u;
+  const uint32_t pass = c.covered >> (l / kPass * kPass) & ((1u << kPass) - 1);
+  float* q = scratch.q + std::popcount(measured ? pass & ((1u << l % kPass) - 1) : pass) * scratch.padded;
+  if (!measured) std::fill_n(q, c.vertices, 1.0f);
   if (layer.bias.empty())
     std::fill_n(scratch.bias, c.vertices, 0.0f);
   else
@@ -519,6 +618,11 @@ void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, floa
   respondPairs(job.responses.empty() ? layer.response : job.responses[l], q, scratch.bias,
                job.region_weights.empty() ? 0.0f : job.region_weights[l], c.vertices, l % 2 != 0,
                scratch.pairs);
+}
+
+HWY_INLINE void storePairs(const uint32_t* vertex, const uint32_t* pairs, uint32_t count, int16_t* weights,
+                           size_t stride) {
+  for (uint32_t i = 0; i < count; ++i) std::memcpy(weights + vertex[i] * stride, pairs + i, sizeof(uint32_t));
 }
 
 }  // namespace
@@ -543,11 +647,9 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
   const uint32_t layers = asset.layerCount();
   const size_t stride = asset.weightStride();
   for (uint32_t l = 0; l < layers; l += 2) {
-    if (l % kPack == 0) measureLayers(job, c, l, ahead, scratch);
-    for (uint32_t k = l; k < std::min(l + 2, layers); ++k)
-      respondLayer(job, c, k, scratch.q + k % kPack * scratch.padded, scratch);
-    for (uint32_t i = 0; i < c.vertices; ++i)
-      std::memcpy(&job.weights[vertex[i] * stride + l], &scratch.pairs[i], sizeof(uint32_t));
+    if (l % kPass == 0) measureLayers(job, c, l, ahead, scratch);
+    for (uint32_t k = l; k < std::min(l + 2, layers); ++k) respondLayer(job, c, k, scratch);
+    storePairs(vertex, scratch.pairs, c.vertices, &job.weights[l], stride);
   }
 }
 
@@ -596,7 +698,8 @@ Status ClusterFrameJob::validate() const {
 void ClusterFrameJob::run(uint32_t begin, uint32_t end, std::span<std::byte> scratch) const {
   const ClusterRun run_cluster = kRuns[static_cast<size_t>(simd)];
   for (uint32_t i = begin; i < end; ++i)
-    run_cluster(*this, clusters->clusters[i], scratchOf(clusters->clusters[i], scratch.data()));
+    run_cluster(*this, clusters->clusters[i],
+                scratchOf(clusters->clusters[i], clusters->asset->layerCount(), scratch.data()));
 }
 
 }  // namespace furrow

@@ -24,16 +24,16 @@ inline constexpr uint32_t kVertexPad = 128;  // vertices that a response works o
 struct ClusterScratch {
   size_t padded;      // vertices, to kVertexPad
   float* positions;   // 4 a slot: x, y, z and anything
-  float* triangle_q;  // kPack a triangle
-  float* q;           // kPack times `padded`
+  float* triangle_q;  // a row a layer of a pass
+  float* q;           // a row of `padded` a layer of a pass
   float* bias;        // `padded`
   uint32_t* pairs;    // `padded`: weights of two layers
 };
-inline constexpr uint32_t kPack = 4;  // layers that share their triangles' edges and their rings' gathers
+inline constexpr uint32_t kPass = 8;  // layers that share their triangles' edges and their rings' gathers
 
 // Cuts `memory` up; a cluster takes the bytes that the second form tells.
-ClusterScratch scratchOf(const Cluster& cluster, std::byte* memory);
-size_t scratchBytes(const Cluster& cluster);
+ClusterScratch scratchOf(const Cluster& cluster, uint32_t layers, std::byte* memory);
+size_t scratchBytes(const Cluster& cluster, uint32_t layers);
 
 using ClusterRun = void (*)(const ClusterFrameJob& job, const Cluster& cluster,
                             const ClusterScratch& scratch);

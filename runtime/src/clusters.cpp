@@ -304,20 +304,25 @@ size_t padded(size_t count, size_t to) {
   return (count + to - 1) / to * to;
 }
 
-}  // namespace
-
-size_t scratchBytes(const Cluster& c) {
-  return sizeof(float) * (4 * padded(c.slots, kPoseLanes) + size_t{kPack} * c.triangles +
-                          (kPack + 2) * padded(c.vertices, kVertexPad));
+// Layers are measured side by side in powers of two.
+size_t rows(uint32_t layers) {
+  return std::bit_ceil(std::min(layers, kPass));
 }
 
-ClusterScratch scratchOf(const Cluster& c, std::byte* memory) {
+}  // namespace
+
+size_t scratchBytes(const Cluster& c, uint32_t layers) {
+  return sizeof(float) * (4 * padded(c.slots, kPoseLanes) + rows(layers) * c.triangles +
+                          (rows(layers) + 2) * padded(c.vertices, kVertexPad));
+}
+
+ClusterScratch scratchOf(const Cluster& c, uint32_t layers, std::byte* memory) {
   ClusterScratch s = {};
   s.padded = padded(c.vertices, kVertexPad);
   s.positions = reinterpret_cast<float*>(memory);
   s.triangle_q = s.positions + 4 * padded(c.slots, kPoseLanes);
-  s.q = s.triangle_q + size_t{kPack} * c.triangles;
-  s.bias = s.q + kPack * s.padded;
+  s.q = s.triangle_q + rows(layers) * c.triangles;
+  s.bias = s.q + rows(layers) * s.padded;
   s.pairs = reinterpret_cast<uint32_t*>(s.bias + s.padded);
   return s;
 }
@@ -352,7 +357,7 @@ Status Clusters::build(const AssetView& source, const ClusterLimits& limits) try
     return Status::error(StatusCode::kUnavailable, "%u influences a vertex", source.influences);
   if (Status status = Builder(source, limits, built).build(); !status.ok()) return status;
   for (const Cluster& c : built.clusters)
-    built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c));
+    built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c, source.layerCount()));
   *this = std::move(built);
   return {};
 } catch (const std::bad_alloc&) {

@@ -215,6 +215,22 @@ TEST(ClusterFrame, SixteenLayersAndTheSmallestSurfaces) {
   }
 }
 
+// One, two, up to four and up to eight are each smoothed in a way of their own.
+TEST(ClusterFrame, AnyNumberOfLayersSideBySide) {
+  std::vector<pipeline::LayerRecipe> layers;
+  for (const char* name : {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j"}) {
+    const double angle = 0.3 * static_cast<double>(layers.size());
+    layers.push_back(layerOf(name, Measure::kDirectional, {std::cos(angle), std::sin(angle), 0.1}));
+    const Asset asset = tests::cookAsset(bumpy(12), tests::recipeOf(layers));
+    Clusters clusters;
+    ASSERT_TRUE(clusters.build(asset.view(), {.points = 50}).ok());
+    const Frame staged = tests::evaluate(asset.view(), {0.8f});
+    for (Simd simd : available())
+      EXPECT_EQ(clusteredWeights(clusters, simd, {}, 0.8f), staged.weights)
+          << simdName(simd) << ", " << layers.size() << " layers";
+  }
+}
+
 TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
   const Asset asset = tests::cookAsset(bumpy(40), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
   const AssetView& view = asset.view();
