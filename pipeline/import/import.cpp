@@ -51,6 +51,8 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
   const std::string_view raw(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::string_view text = skipSpace(raw);
   const std::string extension = extensionOf(file);
+  if (raw.starts_with("\xFF\xFE") || raw.starts_with("\xFE\xFF"))
+    throw Error(Exit::kBadData, file.string(), "it is UTF-16 text", "save it as UTF-8");
   if (raw.starts_with("glTF") || text.starts_with('{')) return std::nullopt;
   if (raw.starts_with("ply\n") || raw.starts_with("ply\r")) return MeshFormat::kPly;
   if (isBinaryStl(bytes, extension == ".stl")) return MeshFormat::kStlBinary;
@@ -61,7 +63,8 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
     throw Error(Exit::kBadData, file.string(), "not glTF (neither JSON nor a GLB container)",
                 "export it again");
   if (extension == ".ply" || extension == ".off")
-    throw Error(Exit::kBadData, file.string(), "does not begin as a " + extension.substr(1) + " file does",
+    throw Error(Exit::kBadData, file.string(),
+                std::string("does not begin as ") + (extension == ".ply" ? "a PLY" : "an OFF") + " file does",
                 "export it again");
   throw Error(Exit::kBadData, file.string(), "not a format that furrow reads",
               "give it glTF, GLB, OBJ, PLY, STL or OFF");

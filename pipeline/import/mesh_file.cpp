@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -23,8 +24,9 @@
 namespace furrow::pipeline {
 namespace {
 
-// Corners of a polygon that is cut by ears; longer ones become a fan, which takes linear time.
-constexpr size_t kLongestEarCut = 256;
+// Corners that may be looked at to cut the ears of a file's polygons, which takes at least the square of a
+// polygon's corners; what is left then becomes a fan.
+constexpr size_t kEarEffort = size_t{1} << 27;
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what);
@@ -54,9 +56,15 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
     uint32_t next = kNoIndex;  // another corner at this place
   };
 
-  // `promised`: the least number of vertices that there must be when the first face comes.
-  Recorder(std::streambuf& stream, size_t promised, std::vector<MaterialChange> changes)
-      : stream_(stream), promised_(promised), changes_(std::move(changes)) {}
+  // `promised`: the least number of vertices that there must be when the first face comes. `corner_uvs`: u
+  // and v of the corners of all faces, or empty.
+  Recorder(std::streambuf& stream, size_t promised, std::vector<MaterialChange> changes,
+           std::span<const float> corner_uvs)
+      : has_uvs(!corner_uvs.empty()),
+        stream_(stream),
+        promised_(promised),
+        changes_(std::move(changes)),
+        corner_uvs_(corner_uvs) {}
 
   std::vector<glm::vec3> positions;
   std::vector<glm::vec4> colors;  // as long as positions if has_colors
@@ -101,11 +109,16 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   FaceHandle add_face(const VHandles& vertices) override {
     if (positions.size() < promised_)
       fail(std::to_string(promised_ - positions.size()) + " vertices are not three numbers");
+    const std::span<const float> uvs = corner_uvs_.first(std::min(2 * vertices.size(), corner_uvs_.size()));
+    corner_uvs_ = corner_uvs_.subspan(uvs.size());
     if (vertices.size() < 3) {
       ++faces_without_area;
       return FaceHandle();
     }
-    for (const VertexHandle v : vertices) polygon_corners.push_back(corner(checked(v)));
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      if (2 * i + 1 < uvs.size()) set_texcoord(vertices[i], {uvs[2 * i], uvs[2 * i + 1]});
+      polygon_corners.push_back(corner(checked(vertices[i])));
+    }
     polygon_ends.push_back(static_cast<uint32_t>(polygon_corners.size()));
     // The stream stands behind the line that holds the face.
     const std::streamoff at = stream_.pubseekoff(0, std::ios::cur, std::ios::in);
@@ -183,6 +196,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   std::streambuf& stream_;
   size_t promised_;
   std::vector<MaterialChange> changes_;
+  std::span<const float> corner_uvs_;  // of the faces to come
   std::vector<Place> places_;
   size_t change_ = 0;
 };
@@ -211,9 +225,10 @@ class MemoryBuffer final : public std::streambuf {
 };
 
 std::string_view trimmed(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t\r");
+  constexpr const char* kSpace = " \t\r\n";
+  const size_t begin = text.find_first_not_of(kSpace);
   if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
 }
 
 // Finds the materials of an OBJ file, and changes in place what OpenMesh's reader cannot bear: continued
@@ -271,7 +286,8 @@ void prepareOff(std::vector<uint8_t>& bytes) {
     if (line.empty()) {
       std::fill(text + begin, text + end, ' ');
     } else if (lines++ == 0) {
-      if (line.find("BINARY") != std::string_view::npos) return;
+      if (line.find("BINARY") != line.npos) fail("it is binary OFF; furrow reads OFF as text");
+      if (line.starts_with('n') || line.starts_with("4n")) fail("it is OFF of any dimension (nOFF)");
       const size_t space = line.find_first_of(" \t");
       if (space != std::string_view::npos) {
         end = static_cast<size_t>(line.data() - text) + space;
@@ -296,6 +312,50 @@ void prepareOff(std::vector<uint8_t>& bytes) {
     }
     begin = end + 1;
   }
+}
+
+bool isThreeNumbers(std::string_view text) {
+  for (int i = 0; i < 3; ++i) {
+    text = trimmed(text);
+    if (text.starts_with('+')) text.remove_prefix(1);
+    float number = 0.0f;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error == std::errc::invalid_argument || !std::isfinite(number)) return false;
+    text.remove_prefix(static_cast<size_t>(stop - text.data()));
+  }
+  return true;
+}
+
+// Refuses STL text that OpenMesh's reader would take in part: cut off, or with facets that are no triangles.
+void checkStl(std::vector<uint8_t>& bytes) {
+  if (std::find(bytes.begin(), bytes.end(), '\n') == bytes.end())
+    std::replace(bytes.begin(), bytes.end(), uint8_t{'\r'}, uint8_t{'\n'});
+  std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  size_t vertices = 0;
+  bool facet = false, any = false, ended = false;
+  while (!rest.empty()) {
+    const size_t end = std::min(rest.find('\n'), rest.size() - 1);
+    const std::string_view line = trimmed(rest.substr(0, end + 1));
+    rest.remove_prefix(end + 1);
+    std::string word(line.substr(0, line.find_first_of(" \t")));
+    std::transform(word.begin(), word.end(), word.begin(),
+                   [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+    if (word.empty()) continue;
+    if (word == "facet") {
+      vertices = 0;
+      facet = any = true;
+      ended = false;
+    } else if (word == "endsolid") {
+      ended = true;
+    } else if (word == "vertex") {
+      ++vertices;
+      if (!isThreeNumbers(line.substr(word.size()))) fail("a vertex is not three numbers");
+    } else if (word == "endfacet") {
+      if (facet && vertices != 3) fail("a facet has " + std::to_string(vertices) + " vertices, not three");
+      facet = false;
+    }
+  }
+  if (any && !ended) fail("cut off: it does not end with \"endsolid\"");
 }
 
 const char* extensionOf(MeshFormat format) {
@@ -344,7 +404,8 @@ glm::dvec3 newell(std::span<const glm::dvec3> points) {
 }
 
 bool isEar(const std::vector<glm::dvec3>& points, const std::vector<uint32_t>& left, size_t i,
-           const glm::dvec3& normal) {
+           const glm::dvec3& normal, size_t& effort) {
+  ++effort;
   const size_t n = left.size();
   const size_t before = (i + n - 1) % n, behind = (i + 1) % n;
   const glm::dvec3 &a = points[left[before]], &b = points[left[i]], &c = points[left[behind]];
@@ -354,19 +415,23 @@ bool isEar(const std::vector<glm::dvec3>& points, const std::vector<uint32_t>& l
   if (side(a, b, c) <= 0.0) return false;
   for (size_t j = 0; j < n; ++j) {
     if (j == before || j == i || j == behind) continue;
+    ++effort;
     const glm::dvec3& p = points[left[j]];
     if (side(a, b, p) >= 0.0 && side(b, c, p) >= 0.0 && side(c, a, p) >= 0.0) return false;
   }
   return true;
 }
 
-// Triangles of a polygon as triples of its corners: a fan if it is convex, else ears.
-void triangulate(const std::vector<glm::dvec3>& points, std::vector<std::array<uint32_t, 3>>& out) {
+// Triangles of a polygon as triples of its corners: a fan if it is convex, else ears. False if it is not
+// convex and `effort` ran out.
+bool triangulate(const std::vector<glm::dvec3>& points, std::vector<std::array<uint32_t, 3>>& out,
+                 size_t& effort) {
   out.clear();
   const uint32_t n = static_cast<uint32_t>(points.size());
   std::vector<uint32_t> left(n);
   for (uint32_t i = 0; i < n; ++i) left[i] = i;
-  if (n > 3 && n <= kLongestEarCut) {
+  bool cut = true;
+  if (n > 3) {
     const glm::dvec3 normal = newell(points);
     bool convex = true;
     for (uint32_t i = 0; i < n && convex; ++i)
@@ -374,14 +439,16 @@ void triangulate(const std::vector<glm::dvec3>& points, std::vector<std::array<u
                         normal) >= 0.0;
     while (!convex && left.size() > 3) {
       size_t ear = 0;
-      while (ear < left.size() && !isEar(points, left, ear, normal)) ++ear;
-      if (ear == left.size()) break;
+      while (ear < left.size() && effort < kEarEffort && !isEar(points, left, ear, normal, effort)) ++ear;
+      cut = effort < kEarEffort;
+      if (ear == left.size() || !cut) break;
       const size_t m = left.size();
       out.push_back({left[(ear + m - 1) % m], left[ear], left[(ear + 1) % m]});
       left.erase(left.begin() + static_cast<ptrdiff_t>(ear));
     }
   }
   for (size_t i = 1; i + 1 < left.size(); ++i) out.push_back({left[0], left[i], left[i + 1]});
+  return cut;
 }
 
 bool finite(const glm::vec3& v) {
@@ -398,9 +465,11 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
     out.positions.push_back(mesh.positions[corner.place]);
     out.file_vertices.push_back(corner.place);
     if (mesh.has_normals) out.normals.push_back(finite(corner.normal) ? corner.normal : glm::vec3(0.0f));
+    // Images begin at the bottom for these formats, at the top for glTF.
     if (mesh.has_uvs)
-      out.uvs.push_back(std::isfinite(corner.uv.x) && std::isfinite(corner.uv.y) ? corner.uv
-                                                                                 : glm::vec2(0.0f));
+      out.uvs.push_back(std::isfinite(corner.uv.x) && std::isfinite(corner.uv.y)
+                            ? glm::vec2(corner.uv.x, 1.0f - corner.uv.y)
+                            : glm::vec2(0.0f));
     if (mesh.has_colors)
       for (int k = 0; k < 4; ++k) {
         const float value = mesh.colors[corner.place][k];
@@ -414,10 +483,16 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
 Recorder record(MeshFormat format, std::vector<uint8_t>& bytes) {
   std::vector<MaterialChange> changes;
   const size_t promised = format == MeshFormat::kObj ? prepareObj(bytes, changes) : 0;
-  if (format == MeshFormat::kPly) bytes = simplePly(bytes);
+  std::vector<float> corner_uvs;
+  if (format == MeshFormat::kPly) {
+    SimplePly ply = simplePly(bytes);
+    bytes = std::move(ply.bytes);
+    corner_uvs = std::move(ply.corner_uvs);
+  }
   if (format == MeshFormat::kOff) prepareOff(bytes);
+  if (format == MeshFormat::kStlText) checkStl(bytes);
   MemoryBuffer buffer(bytes);
-  Recorder mesh(buffer, promised, std::move(changes));
+  Recorder mesh(buffer, promised, std::move(changes), corner_uvs);
   parse(format, buffer, mesh);
   if (mesh.polygon_ends.empty()) fail("it has no faces");
   return mesh;
@@ -463,6 +538,7 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
   std::vector<bool> used;
   std::vector<glm::dvec3> points;
   std::vector<std::array<uint32_t, 3>> triangles;
+  size_t effort = 0, uncut = 0;
   const auto beginOf = [&](uint32_t p) { return p == 0 ? 0u : mesh.polygon_ends[p - 1]; };
   for (uint32_t m = 0; m < polygons.size(); ++m) {
     used.assign(mesh.corners.size(), false);
@@ -485,7 +561,7 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
       points.clear();
       for (uint32_t i = beginOf(p); i < mesh.polygon_ends[p]; ++i)
         points.emplace_back(mesh.positions[mesh.corners[mesh.polygon_corners[i]].place]);
-      triangulate(points, triangles);
+      uncut += !triangulate(points, triangles, effort);
       for (const auto& triangle : triangles)
         for (const uint32_t i : triangle) primitive.indices.push_back(vertex_of[corner[i]]);
     }
@@ -510,6 +586,10 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
     unused += mesh.firstCorner(place) == kNoIndex;
   if (unused > 0)
     scene.warnings.push_back(std::to_string(unused) + " vertices belong to no face and are left out");
+  if (uncut > 0)
+    scene.warnings.push_back(std::to_string(uncut) +
+                             " polygons are not convex and have more corners than furrow cuts well: "
+                             "triangulate them");
   if (mesh.faces_without_area > 0)
     scene.warnings.push_back(std::to_string(mesh.faces_without_area) +
                              " faces have fewer than three corners");

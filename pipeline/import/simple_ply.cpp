@@ -1,6 +1,7 @@
 #include "pipeline/import/simple_ply.h"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <initializer_list>
 #include <stdexcept>
@@ -14,6 +15,8 @@ namespace {
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what);
 }
+
+constexpr std::string_view kTexture = "texture_";
 
 struct Type {
   std::string_view name, other_name;
@@ -52,32 +55,57 @@ class Simplifier {
  public:
   explicit Simplifier(std::string_view bytes) : rest_(bytes) {}
 
-  std::vector<uint8_t> run() {
+  SimplePly run() {
     readHeader();
-    add("ply\nformat " + std::string(format_) + " 1.0\n");
-    bool faces = false;
-    for (const Element& element : elements_) {
-      if (element.name != "vertex" && element.name != "face") continue;
-      add("element " + std::string(element.name) + " " + std::to_string(element.count) + "\n");
-      for (const Property& property : element.properties) {
-        if (!property.kept) continue;
-        add("property ");
-        if (property.count) add("list " + std::string(property.count->count_name) + " ");
-        add(std::string(property.type->name) + " " + std::string(property.name) + "\n");
-        faces |= property.count && element.count > 0;
+    std::vector<uint8_t> vertices;
+    size_t strip_faces = 0;
+    for (size_t e = 0; e < needed_; ++e) {
+      const Element& element = elements_[e];
+      // Of other elements nothing is kept.
+      out_ = element.name == "vertex" ? &vertices : &faces_;
+      for (size_t i = 0; i < element.count; ++i) {
+        if (&element == strips_) {
+          strip_faces += cutStrips(element);
+        } else {
+          copyRow(element, &element == surface_);
+        }
       }
     }
-    if (!faces) fail("it has no faces: it is a cloud of points");
-    add("end_header\n");
-    for (const Element& element : elements_) {
-      for (size_t i = 0; i < element.count; ++i) copyRow(element);
-      if (element.name == "face") break;  // nothing is needed of what follows
+    SimplePly out;
+    out_ = &out.bytes;
+    add("ply\nformat " + std::string(format_) + " 1.0\n");
+    for (const Element& element : elements_)
+      if (element.name == "vertex") addElement(element, element.count, {});
+    if (strips_) {
+      addElement(*strips_, strip_faces, "uchar");
+    } else {
+      addElement(*surface_, surface_->count, {});
     }
-    return std::move(out_);
+    add("end_header\n");
+    out.bytes.insert(out.bytes.end(), vertices.begin(), vertices.end());
+    vertices = {};
+    out.bytes.insert(out.bytes.end(), faces_.begin(), faces_.end());
+    out.corner_uvs = std::move(corner_uvs_);
+    return out;
   }
 
  private:
-  void add(std::string_view text) { out_.insert(out_.end(), text.begin(), text.end()); }
+  void add(std::string_view text) { out_->insert(out_->end(), text.begin(), text.end()); }
+
+  // `counted`: the type of the counts of its lists, if not their own.
+  void addElement(const Element& element, size_t count, std::string_view counted) {
+    add("element " + std::string(element.name == "vertex" ? "vertex" : "face") + " " + std::to_string(count) +
+        "\n");
+    for (const Property& property : element.properties) {
+      if (!property.kept) continue;
+      add("property ");
+      if (property.count)
+        add("list " + std::string(counted.empty() ? property.count->count_name : counted) + " ");
+      // By these names OpenMesh knows what MeshLab calls texture_u and texture_v.
+      const size_t prefix = property.name.starts_with(kTexture) ? kTexture.size() : 0;
+      add(std::string(property.type->name) + " " + std::string(property.name.substr(prefix)) + "\n");
+    }
+  }
 
   std::string_view line() {
     const size_t end = rest_.find('\n');
@@ -99,13 +127,14 @@ class Simplifier {
     const auto one_of = [&](std::initializer_list<std::string_view> names) {
       return std::find(names.begin(), names.end(), property.name) != names.end();
     };
-    if (element == "face")
+    if (element == "face" || element == "tristrips")
       return property.count && !property.type->count_name.empty() &&
              one_of({"vertex_indices", "vertex_index"});
     if (element != "vertex" || property.count) return false;
     const bool number = property.type->count_name.empty();
     if (one_of({"x", "y", "z"}) && !number) fail("its positions are integers");
-    if (one_of({"x", "y", "z", "nx", "ny", "nz", "u", "v", "s", "t"})) return number;
+    if (one_of({"x", "y", "z", "nx", "ny", "nz", "u", "v", "s", "t", "texture_u", "texture_v"}))
+      return number;
     return one_of({"red", "green", "blue", "alpha", "diffuse_red", "diffuse_green", "diffuse_blue"}) &&
            (property.type->name == "uchar" || property.type->name == "float");
   }
@@ -147,22 +176,84 @@ class Simplifier {
     for (const Element& element : elements_)
       if (element.properties.empty() && element.count > 0)
         fail("its header has an element without properties");
+    findSurface();
   }
 
-  void copyRow(const Element& element) {
+  void findSurface() {
+    bool places = false;
+    for (size_t e = 0; e < elements_.size(); ++e) {
+      const Element& element = elements_[e];
+      const auto keeps = [&](std::string_view name) {
+        return std::any_of(element.properties.begin(), element.properties.end(),
+                           [&](const Property& p) { return p.kept && (p.count || p.name == name); });
+      };
+      if (element.name == "vertex") {
+        places = keeps("x") && keeps("y") && keeps("z");
+      } else if (element.count > 0 && keeps({}) && !(surface_ && element.name == "tristrips")) {
+        surface_ = &element;
+      } else {
+        continue;
+      }
+      needed_ = e + 1;
+    }
+    if (!places) fail("its header has no element \"vertex\" with x, y and z");
+    if (!surface_) fail("it has no faces: it is a cloud of points");
+    if (surface_->name == "tristrips") strips_ = surface_;
+  }
+
+  void copyRow(const Element& element, bool face) {
+    size_t corners = 0;
+    uvs_.clear();
     for (const Property& property : element.properties) {
       size_t values = 1;
       if (property.count) {
         const std::string_view count = value(*property.count);
         if (property.kept) copy(count);
         values = number(count);
+        if (property.kept) corners = values;
       }
+      const bool uvs =
+          face && property.count && property.name == "texcoord" && property.type->count_name.empty();
       for (size_t i = 0; i < values; ++i) {
         const std::string_view next = value(*property.type);
         if (property.kept) copy(next);
+        if (uvs) uvs_.push_back(real(next));
       }
     }
-    if (format_ == "ascii") out_.push_back('\n');
+    if (face && (!uvs_.empty() || !corner_uvs_.empty())) {
+      uvs_.resize(2 * corners);
+      corner_uvs_.resize(2 * corners_);
+      corner_uvs_.insert(corner_uvs_.end(), uvs_.begin(), uvs_.end());
+    }
+    corners_ += corners;
+    if (format_ == "ascii") out_->push_back('\n');
+  }
+
+  // Triangles of the strips of a row, which -1 parts. Returns how many.
+  size_t cutStrips(const Element& element) {
+    size_t triangles = 0;
+    for (const Property& property : element.properties) {
+      size_t values = 1;
+      if (property.count) values = number(value(*property.count));
+      std::string_view before[2];
+      for (size_t i = 0, run = 0; i < values; ++i) {
+        const std::string_view next = value(*property.type);
+        if (!property.kept) continue;
+        const bool end = format_ == "ascii" ? next == "-1" : next.find_first_not_of('\xFF') == next.npos;
+        run = end ? 0 : run + 1;
+        if (run > 2) {
+          add(format_ == "ascii" ? "3 " : "\3");
+          copy(before[(run + 1) % 2]);
+          copy(before[run % 2]);
+          copy(next);
+          if (format_ == "ascii") out_->push_back('\n');
+          ++triangles;
+        }
+        before[0] = before[1];
+        before[1] = next;
+      }
+    }
+    return triangles;
   }
 
   std::string_view value(const Type& type) {
@@ -179,7 +270,7 @@ class Simplifier {
 
   void copy(std::string_view value) {
     add(value);
-    if (format_ == "ascii") out_.push_back(' ');
+    if (format_ == "ascii") out_->push_back(' ');
   }
 
   size_t number(std::string_view count) const {
@@ -189,21 +280,42 @@ class Simplifier {
         fail("a list has no count");
       return value;
     }
-    for (size_t i = 0; i < count.size(); ++i)
-      value |=
-          size_t{static_cast<uint8_t>(count[format_ == "binary_little_endian" ? i : count.size() - 1 - i])}
+    return bits(count);
+  }
+
+  float real(std::string_view value) const {
+    if (format_ == "ascii") {
+      float number = 0.0f;
+      std::from_chars(value.data(), value.data() + value.size(), number);
+      return number;
+    }
+    if (value.size() == sizeof(float)) return std::bit_cast<float>(static_cast<uint32_t>(bits(value)));
+    return static_cast<float>(std::bit_cast<double>(bits(value)));
+  }
+
+  uint64_t bits(std::string_view value) const {
+    uint64_t bits = 0;
+    for (size_t i = 0; i < value.size(); ++i)
+      bits |=
+          uint64_t{static_cast<uint8_t>(value[format_ == "binary_little_endian" ? i : value.size() - 1 - i])}
           << (8 * i);
-    return value;
+    return bits;
   }
 
   std::string_view rest_, format_;
   std::vector<Element> elements_;
-  std::vector<uint8_t> out_;
+  size_t needed_ = 0;                 // elements up to the last one that is needed
+  const Element* surface_ = nullptr;  // the faces
+  const Element* strips_ = nullptr;   // surface_, if it is triangle strips
+  std::vector<uint8_t> faces_;
+  std::vector<uint8_t>* out_ = nullptr;
+  std::vector<float> uvs_, corner_uvs_;  // of a face; of all faces so far
+  size_t corners_ = 0;                   // so far
 };
 
 }  // namespace
 
-std::vector<uint8_t> simplePly(const std::vector<uint8_t>& bytes) {
+SimplePly simplePly(const std::vector<uint8_t>& bytes) {
   return Simplifier({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).run();
 }
 

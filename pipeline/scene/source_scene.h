@@ -35,7 +35,7 @@ struct Primitive {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;
   std::vector<glm::vec4> tangents;
-  std::vector<glm::vec2> uvs;  // TEXCOORD_0
+  std::vector<glm::vec2> uvs;  // TEXCOORD_0; v grows downwards, from the top of an image
   std::vector<Attribute> attributes;
   uint32_t influences = 0;       // joints a vertex: 0 without skin, else a multiple of 4
   std::vector<uint16_t> joints;  // influences a vertex, index into the skin's joints
