@@ -10,20 +10,28 @@ namespace furrow::gl {
 
 namespace {
 
-// The cpu tier: posed by the jobs, weighed by the clustered frame on the calling thread.
+// The cpu tier: posed by the jobs, weighed by the clustered frame, or with Laplacian steps by the staged one,
+// on the calling thread.
 class CpuTier {
  public:
   Status create(const AssetView& asset, const PlanOptions& options) {
     asset_ = &asset;
     options_ = options;
-    if (Status status = clusters_.build(asset); !status.ok()) return status;
+    staged_ = options.laplace_steps > 0;
+    if (!staged_)
+      if (Status status = clusters_.build(asset); !status.ok()) return status;
     const size_t vertices = asset.vertexCount(), count = vertices * asset.weightStride();
     positions.resize(vertices);
     normals.resize(options.normals ? vertices : 0);
     tangents.resize(options.normals ? vertices : 0);
     weights.resize(count);
     state_.resize(options.ease ? count : 0);
-    scratch_.resize(clusters_.scratchBytes() + 64);
+    if (staged_) {
+      triangle_q_.resize(asset.triangleCount());
+      for (std::vector<float>& q : point_q_) q.resize(asset.pointCount());
+    } else {
+      scratch_.resize(clusters_.scratchBytes() + 64);
+    }
     return {};
   }
 
@@ -34,18 +42,7 @@ class CpuTier {
     if (Status status = deform.validate(); !status.ok()) return status;
     deform.run(0, asset_->vertexCount());
 
-    ClusterFrameJob frame;
-    frame.clusters = &clusters_;
-    frame.posed = reinterpret_cast<const std::byte*>(positions.data());
-    frame.scale = input.scale;
-    frame.responses = input.responses;
-    frame.region_weights = input.region_weights;
-    frame.weights = weights;
-    if (Status status = frame.validate(); !status.ok()) return status;
-    void* memory = scratch_.data();
-    size_t space = scratch_.size();
-    std::align(64, clusters_.scratchBytes(), memory, space);
-    frame.run(0, clusters_.count(), {static_cast<std::byte*>(memory), space});
+    if (Status status = staged_ ? weighStaged(input) : weighClustered(input); !status.ok()) return status;
 
     const EaseJob ease{asset_,        options_.ease ? input.eases : std::span<const Ease>(),
                        input.seconds, input.reset,
@@ -61,9 +58,49 @@ class CpuTier {
   std::vector<int16_t> weights;
 
  private:
+  Status weighClustered(const FrameInput& input) {
+    ClusterFrameJob frame;
+    frame.clusters = &clusters_;
+    frame.posed = reinterpret_cast<const std::byte*>(positions.data());
+    frame.scale = input.scale;
+    frame.responses = input.responses;
+    frame.region_weights = input.region_weights;
+    frame.weights = weights;
+    if (Status status = frame.validate(); !status.ok()) return status;
+    void* memory = scratch_.data();
+    size_t space = scratch_.size();
+    std::align(64, clusters_.scratchBytes(), memory, space);
+    frame.run(0, clusters_.count(), {static_cast<std::byte*>(memory), space});
+    return {};
+  }
+
+  Status weighStaged(const FrameInput& input) {
+    const uint32_t points = asset_->pointCount();
+    for (uint32_t l = 0; l < asset_->layerCount(); ++l) {
+      const CompressJob compress{asset_, l, positions, input.scale, triangle_q_};
+      if (Status status = compress.validate(); !status.ok()) return status;
+      compress.run(0, asset_->triangleCount());
+      SmoothJob{asset_, triangle_q_, point_q_[0]}.run(0, points);
+      for (uint32_t step = 0; step < options_.laplace_steps; ++step) {
+        LaplaceJob{asset_, triangle_q_, point_q_[0], input.laplace_rate, point_q_[1]}.run(0, points);
+        std::swap(point_q_[0], point_q_[1]);
+      }
+      RespondJob{asset_,
+                 l,
+                 input.responses.empty() ? asset_->layers[l].response : input.responses[l],
+                 input.region_weights.empty() ? 0.0f : input.region_weights[l],
+                 point_q_[0],
+                 weights}
+          .run(0, asset_->vertexCount());
+    }
+    return {};
+  }
+
   const AssetView* asset_ = nullptr;
   PlanOptions options_;
+  bool staged_ = false;
   Clusters clusters_;
+  std::vector<float> triangle_q_, point_q_[2];
   std::vector<float> state_;
   std::vector<std::byte> scratch_;
 };
@@ -88,8 +125,8 @@ struct TieredFrame::State {
       cpu = std::make_unique<CpuTier>();
       return cpu->create(*asset, options);
     }
-    if (tier == Tier::kGpuRaster && options.ease)
-      return Status::error(StatusCode::kUnavailable, "weights do not ease on the gpu-raster tier");
+    if (tier == Tier::kGpuRaster && options.laplace_steps > 0)
+      return Status::error(StatusCode::kUnavailable, "the gpu-raster tier makes no Laplacian steps");
     options.form = formOf(tier);
     plan = std::make_unique<FramePlan>(*asset, options);
     executor = std::make_unique<Executor>();

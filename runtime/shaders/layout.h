@@ -106,7 +106,7 @@ struct FrameConstants {
   uint with_ease;
   uint with_point_q;
   uint active_layers;  // bit l: layer l is computed, else its weights are 0
-  uint pad0;
+  float laplace_rate;  // of a Laplacian step
   uint pad1;
   uint pad2;
   LayerConstants layer[kLayerLimit];

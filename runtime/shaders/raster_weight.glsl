@@ -1,7 +1,6 @@
-// Weights of each vertex, two layers a word: the sums are divided as they are fetched.
+// Weights of each vertex, two layers a word.
 
-FURROW_READ(0, uint, vertex_point);
-uniform sampler2DArray sums;
+FURROW_READ(4, float, next_state);
 
 flat out uint pair0;
 flat out uint pair1;
@@ -13,14 +12,9 @@ flat out uint pair6;
 flat out uint pair7;
 
 uint weight16(uint v, uint layer) {
-  if (layer >= frame.layers || !isActive(layer)) return 0u;
-  float q = 1.0;
-  if (frame.layer[layer].slice != kNoLayer) {
-    uint point = FURROW_AT(vertex_point, v);
-    vec4 sum = texelFetch(sums, ivec3(int(point % kSumsWidth), int(point / kSumsWidth), int(frame.layer[layer].slice)), 0);
-    if (sum.a > 0.0) q = sum[frame.layer[layer].channel] / sum.a;
-  }
-  return stored(weightOf(v, layer, q));
+  if (layer >= frame.layers) return 0u;
+  if (frame.with_ease != 0u) return stored(FURROW_AT(next_state, stateOf(v, layer)));
+  return isActive(layer) ? stored(weightOf(v, layer, pointQ(v, layer))) : 0u;
 }
 
 uint pairOf(uint pair) {

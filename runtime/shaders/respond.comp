@@ -9,7 +9,7 @@ uint weight16(uint v, uint layer) {
   if (layer >= frame.layers) return 0u;
   float w = isActive(layer) ? weightOf(v, layer, point_q[layer * frame.points + vertex_point[v]]) : 0.0;
   if (frame.with_ease != 0u) {
-    uint at = v * ((frame.layers + 1u) & ~1u) + layer;
+    uint at = stateOf(v, layer);
     w = eased(layer, w, state[at]);
     state[at] = w;
   }

@@ -24,6 +24,9 @@ float weightOf(uint v, uint layer, float point_q) {
   return float(toSnorm16(w + frame.layer[layer].region)) * (1.0 / 32767.0);
 }
 
+// Where the state of a vertex's layer is.
+uint stateOf(uint v, uint layer) { return v * ((frame.layers + 1u) & ~1u) + layer; }
+
 // A weight on its way to `target` from where it was (EaseJob).
 float eased(uint layer, float target, float state) {
   float step = abs(target) > abs(state) ? frame.layer[layer].attack : frame.layer[layer].release;

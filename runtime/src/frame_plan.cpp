@@ -1,6 +1,7 @@
 #include "furrow/frame_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "plan_bindings.h"
@@ -28,12 +29,29 @@ constexpr Binding kCompressBindings[] = {
     kFrameBinding, storage(0, Buffer::kSurfaceIndices, "surface_indices"),
     storage(1, Buffer::kCoefficients, "coefficients"), storage(2, Buffer::kPositions, "positions"),
     storage(3, Buffer::kTriangleQ, "triangle_q")};
-constexpr Binding kSmoothBindings[] = {kFrameBinding,
-                                       storage(0, Buffer::kRingOffsets, "ring_offsets"),
-                                       storage(1, Buffer::kRingTriangles, "ring_triangles"),
-                                       storage(2, Buffer::kRingWeights, "ring_weights"),
-                                       storage(3, Buffer::kTriangleQ, "triangle_q"),
-                                       storage(4, Buffer::kPointQ, "point_q")};
+constexpr std::array<Binding, 6> smoothBindings(Buffer to) {
+  return {kFrameBinding,
+          storage(0, Buffer::kRingOffsets, "ring_offsets"),
+          storage(1, Buffer::kRingTriangles, "ring_triangles"),
+          storage(2, Buffer::kRingWeights, "ring_weights"),
+          storage(3, Buffer::kTriangleQ, "triangle_q"),
+          storage(4, to, "point_q")};
+}
+constexpr std::array<Binding, 9> laplaceBindings(Buffer from, Buffer to) {
+  return {kFrameBinding,
+          storage(0, Buffer::kRingOffsets, "ring_offsets"),
+          storage(1, Buffer::kRingTriangles, "ring_triangles"),
+          storage(2, Buffer::kRingWeights, "ring_weights"),
+          storage(3, Buffer::kTriangleQ, "triangle_q"),
+          storage(4, Buffer::kSurfaceIndices, "surface_indices"),
+          storage(5, Buffer::kVertexPoint, "vertex_point"),
+          storage(6, from, "point_q"),
+          storage(7, to, "smoothed_q")};
+}
+// What writes kPointQ, and what writes kOtherQ.
+constexpr std::array kSmooth = {smoothBindings(Buffer::kPointQ), smoothBindings(Buffer::kOtherQ)};
+constexpr std::array kLaplace = {laplaceBindings(Buffer::kOtherQ, Buffer::kPointQ),
+                                 laplaceBindings(Buffer::kPointQ, Buffer::kOtherQ)};
 constexpr Binding kRespondBindings[] = {kFrameBinding,
                                         storage(0, Buffer::kVertexPoint, "vertex_point"),
                                         storage(2, Buffer::kPointQ, "point_q"),
@@ -108,9 +126,10 @@ void FramePlan::fillWords(Buffer id, const char* name, std::vector<uint32_t> wor
 
 FramePlan::FramePlan(const AssetView& asset, const PlanOptions& options) : asset_(&asset), options_(options) {
   words_.reserve(static_cast<size_t>(Buffer::kCount));
-  if (options.form == Form::kClustered && !addClustered()) options_.form = Form::kStaged;
+  if (options.form == Form::kRaster) options_.laplace_steps = 0;
+  if (options.form == Form::kClustered && (options.laplace_steps > 0 || !addClustered()))
+    options_.form = Form::kStaged;
   if (options_.form != Form::kClustered) options_.instances = 1;
-  if (options_.form == Form::kRaster) options_.ease = false;
   addCommon();
   if (options_.form == Form::kStaged) addStaged();
   if (options_.form == Form::kRaster) addRaster();
@@ -153,6 +172,9 @@ void FramePlan::addStaged() {
   add(Buffer::kTriangleQ, "furrow triangle q", Lifetime::kPerInstance,
       asset.triangleCount() * layers * sizeof(float));
   add(Buffer::kPointQ, "furrow point q", Lifetime::kPerInstance, asset.pointCount() * layers * sizeof(float));
+  if (options_.laplace_steps > 0)
+    add(Buffer::kOtherQ, "furrow other point q", Lifetime::kPerInstance,
+        asset.pointCount() * layers * sizeof(float));
 
   const auto dispatch = [&](const char* label, Shader shader, uint32_t count,
                             std::span<const Binding> bindings) {
@@ -168,7 +190,9 @@ void FramePlan::addStaged() {
   if (!options_.posed_by_host)
     dispatch("furrow deform", Shader::kDeform, asset.vertexCount(), kDeformBindings);
   dispatch("furrow compress", Shader::kCompress, asset.triangleCount(), kCompressBindings);
-  dispatch("furrow smooth", Shader::kSmooth, asset.pointCount(), kSmoothBindings);
+  uint32_t steps = options_.laplace_steps;
+  dispatch("furrow smooth", Shader::kSmooth, asset.pointCount(), kSmooth[steps % 2]);
+  while (steps-- > 0) dispatch("furrow laplace", Shader::kLaplace, asset.pointCount(), kLaplace[steps % 2]);
   dispatch("furrow respond", Shader::kRespond, asset.vertexCount(), kRespondBindings);
 }
 
@@ -192,6 +216,7 @@ void FramePlan::writeFrame(const FrameInput& input, std::span<std::byte> out) co
   frame.with_ease = options_.ease;
   frame.with_point_q = buffer(Buffer::kPointQ).bytes > 0;
   frame.active_layers = input.active_layers;
+  frame.laplace_rate = input.laplace_rate;
   uint32_t first = 0;
   for (uint32_t l = 0; l < frame.layers; ++l) {
     const Layer& layer = asset.layers[l];

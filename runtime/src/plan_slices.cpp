@@ -23,16 +23,27 @@ constexpr Binding kRasterMeasureBindings[] = {kFrameBinding,
                                               words(1, Buffer::kVertexPoint, "vertex_point"),
                                               floats(2, Buffer::kMeasured, "measured"),
                                               {0, Buffer::kSurfaceIndices, Access::kIndices, nullptr}};
-constexpr Binding kRasterRespondBindings[] = {kFrameBinding,
-                                              words(0, Buffer::kVertexPoint, "vertex_point"),
-                                              words(1, Buffer::kBias, "bias"),
-                                              {2, Buffer::kCount, Access::kSums, "sums"},
-                                              capture(0, Buffer::kWeights)};
+constexpr Binding kSums = {2, Buffer::kCount, Access::kSums, "sums"};
+constexpr Binding kRasterEaseBindings[] = {kFrameBinding,
+                                           words(0, Buffer::kVertexPoint, "vertex_point"),
+                                           words(1, Buffer::kBias, "bias"),
+                                           kSums,
+                                           floats(3, Buffer::kState, "state"),
+                                           capture(0, Buffer::kNextState)};
+constexpr Binding kRasterRespondBindings[] = {
+    kFrameBinding, words(0, Buffer::kVertexPoint, "vertex_point"), words(1, Buffer::kBias, "bias"),
+    kSums,         floats(4, Buffer::kNextState, "next_state"),    capture(0, Buffer::kWeights)};
+constexpr Binding kRasterKeepBindings[] = {kFrameBinding, floats(0, Buffer::kNextState, "next_state"),
+                                           capture(0, Buffer::kState)};
 
 constexpr const char* kPosedOutputs[] = {"posed_position", "posed_normal", "posed_tangent"};
 constexpr const char* kPairOutputs[] = {"pair0", "pair1", "pair2", "pair3",
                                         "pair4", "pair5", "pair6", "pair7"};
-static_assert(std::size(kPairOutputs) * 2 == kMaxLayers);
+constexpr const char* kStateOutputs[] = {"state0",  "state1",  "state2",  "state3", "state4",  "state5",
+                                         "state6",  "state7",  "state8",  "state9", "state10", "state11",
+                                         "state12", "state13", "state14", "state15"};
+constexpr const char* kKeptOutputs[] = {"kept"};
+static_assert(std::size(kPairOutputs) * 2 == kMaxLayers && std::size(kStateOutputs) == kMaxLayers);
 
 // A triangle: bit l says that layer l measures it.
 std::vector<uint32_t> measuringLayers(const AssetView& asset) {
@@ -62,26 +73,35 @@ std::vector<uint16_t> cornerAngles(const AssetView& asset) {
 
 void FramePlan::addRaster() {
   const AssetView& asset = *asset_;
+  // Captures what `shader` gives for `count` points.
+  const auto capturing = [&](const char* label, Shader shader, uint32_t count,
+                             std::span<const Binding> bindings, std::span<const char* const> outputs) {
+    items_.push_back({.kind = ItemKind::kDraw,
+                      .label = label,
+                      .shader = shader,
+                      .count = count,
+                      .bindings = bindings,
+                      .captured = outputs});
+    items_.push_back({.kind = ItemKind::kBarrier, .label = label});
+  };
+  const uint32_t vertices = asset.vertexCount(), stride = asset.weightStride();
   if (!options_.posed_by_host) {
+    const std::span bindings(kRasterDeformBindings);
     const size_t outputs = options_.normals ? 3 : 1;
-    items_.push_back(
-        {.kind = ItemKind::kDraw,
-         .label = "furrow deform",
-         .shader = Shader::kRasterDeform,
-         .count = asset.vertexCount(),
-         .bindings = std::span(kRasterDeformBindings).first(std::size(kRasterDeformBindings) - 3 + outputs),
-         .captured = std::span(kPosedOutputs).first(outputs)});
-    items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow deform"});
+    capturing("furrow deform", Shader::kRasterDeform, vertices, bindings.first(bindings.size() - 3 + outputs),
+              std::span(kPosedOutputs).first(outputs));
   }
   addSlices();
   items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow measure"});
-  items_.push_back({.kind = ItemKind::kDraw,
-                    .label = "furrow respond",
-                    .shader = Shader::kRasterRespond,
-                    .count = asset.vertexCount(),
-                    .bindings = kRasterRespondBindings,
-                    .captured = std::span(kPairOutputs).first(asset.weightStride() / 2)});
-  items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow respond"});
+  if (options_.ease) {
+    add(Buffer::kNextState, "furrow next state", Lifetime::kPerInstance,
+        uint64_t{vertices} * stride * sizeof(float));
+    capturing("furrow ease", Shader::kRasterEase, vertices, kRasterEaseBindings,
+              std::span(kStateOutputs).first(stride));
+    capturing("furrow keep", Shader::kRasterKeep, vertices * stride, kRasterKeepBindings, kKeptOutputs);
+  }
+  capturing("furrow respond", Shader::kRasterRespond, vertices, kRasterRespondBindings,
+            std::span(kPairOutputs).first(stride / 2));
 }
 
 void FramePlan::addSlices() {

@@ -21,10 +21,13 @@ constexpr ShaderSource kSources[] = {
     FURROW_COMPUTE(kDeform),
     FURROW_COMPUTE(kCompress),
     FURROW_COMPUTE(kSmooth),
+    FURROW_COMPUTE(kLaplace),
     FURROW_COMPUTE(kRespond),
     {.vertex = kRasterPose},
     {.vertex = kRasterCorner, .geometry = kRasterTriangle, .fragment = kRasterPixel},
+    {.vertex = kRasterEase},
     {.vertex = kRasterWeight},
+    {.vertex = kRasterKeep},
 };
 static_assert(std::size(kSources) == static_cast<size_t>(Shader::kCount));
 

@@ -49,13 +49,19 @@ class ExecutorTest : public GlTest, public testing::WithParamInterface<Form> {
     return positions;
   }
 
-  std::vector<int16_t> cpuWeights(const std::vector<Float3>& positions) const {
+  std::vector<int16_t> cpuWeights(const std::vector<Float3>& positions, uint32_t laplace_steps = 0,
+                                  float laplace_rate = 0.0f) const {
     const AssetView& asset = ball_.view();
-    std::vector<float> triangle_q(asset.triangleCount()), point_q(asset.pointCount());
+    std::vector<float> triangle_q(asset.triangleCount()), point_q(asset.pointCount()),
+        smoothed(point_q.size());
     std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
     for (uint32_t layer = 0; layer < asset.layerCount(); ++layer) {
       CompressJob{&asset, layer, positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
       SmoothJob{&asset, triangle_q, point_q}.run(0, asset.pointCount());
+      for (uint32_t step = 0; step < laplace_steps; ++step) {
+        LaplaceJob{&asset, triangle_q, point_q, laplace_rate, smoothed}.run(0, asset.pointCount());
+        std::swap(point_q, smoothed);
+      }
       RespondJob{&asset, layer, asset.layers[layer].response, 0.0f, point_q, weights}.run(
           0, asset.vertexCount());
     }
@@ -166,10 +172,8 @@ TEST_P(ExecutorTest, LayersOfAnyMeasureAndCoverage) {
       staged.weights);
 }
 
-class ComputeTest : public ExecutorTest {};
-
 // Weights on their way and fading out, over frames of different lengths and a cut.
-TEST_P(ComputeTest, WeightsFollowInTimeAsOnTheCpu) {
+TEST_P(ExecutorTest, WeightsFollowInTimeAsOnTheCpu) {
   const AssetView& asset = ball_.view();
   const FramePlan plan(asset, {.form = GetParam(), .normals = false, .ease = true});
   gl::Executor executor;
@@ -248,6 +252,26 @@ TEST_P(ExecutorTest, LayersThatAreSwitchedOffWeighNothing) {
   }
 }
 
+class LaplaceTest : public ExecutorTest {};
+
+TEST_P(LaplaceTest, StepsAsOnTheCpu) {
+  const AssetView& asset = ball_.view();
+  frame_.laplace_rate = 0.7f;
+  const std::vector<int16_t> without = cpuWeights(posed());
+  for (uint32_t steps : {1u, 2u, 5u}) {
+    const FramePlan plan(asset, {.laplace_steps = steps});
+    ASSERT_EQ(plan.options().form, Form::kStaged);
+    gl::Executor executor;
+    const Status status = executor.create(plan);
+    ASSERT_TRUE(status.ok()) << status.message;
+    ASSERT_TRUE(executor.upload(frame_).ok());
+    ASSERT_TRUE(executor.run().ok());
+    const auto expected = cpuWeights(posed(), steps, frame_.laplace_rate);
+    expectSameWeights(read<int16_t>(executor, Buffer::kWeights, expected.size()), expected);
+    EXPECT_NE(expected, without);
+  }
+}
+
 class ClusteredTest : public ExecutorTest {};
 
 TEST_P(ClusteredTest, ManyInstancesInOneDispatch) {
@@ -315,9 +339,8 @@ TEST_P(ExecutorTest, CanBeMadeAgain) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Clustered, ExecutorTest, testing::Values(Form::kClustered));
-INSTANTIATE_TEST_SUITE_P(Clustered, ComputeTest, testing::Values(Form::kClustered));
-INSTANTIATE_TEST_SUITE_P(Staged, ComputeTest, testing::Values(Form::kStaged));
 INSTANTIATE_TEST_SUITE_P(Clustered, ClusteredTest, testing::Values(Form::kClustered));
+INSTANTIATE_TEST_SUITE_P(Staged, LaplaceTest, testing::Values(Form::kStaged));
 INSTANTIATE_TEST_SUITE_P(Staged, ExecutorTest, testing::Values(Form::kStaged));
 INSTANTIATE_TEST_SUITE_P(Raster, ExecutorTest, testing::Values(Form::kRaster));
 

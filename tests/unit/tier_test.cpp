@@ -112,15 +112,30 @@ TEST_F(LostContext, EveryLossIsReportedAndCostsOneTier) {
   EXPECT_TRUE(frame.run(input_).ok());  // nobody asks any more
 }
 
-TEST_F(LostContext, WeightsThatEaseSkipTheRasterTier) {
+TEST_F(LostContext, WeightsEaseOnEveryTierAndBeginAnewOnEach) {
   gl::TieredFrame frame;
-  const PlanOptions options{.ease = true};
-  EXPECT_EQ(frame.create(ball_.view(), Tier::kGpuRaster, options).code, StatusCode::kUnavailable);
-  ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu, options, reportedReset).ok());
+  ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu, {.ease = true}, reportedReset).ok());
   const std::vector<Ease> eases(ball_.view().layerCount(), Ease{1.0f, 1.0f});
   input_.eases = eases;
+  for (Tier tier : {Tier::kGpu, Tier::kGpuRaster, Tier::kCpu}) {
+    EXPECT_EQ(frame.tier(), tier);
+    ASSERT_TRUE(frame.run(input_).ok());
+    expectWeights(frame);  // a first frame is all the way there
+    resets_to_report = 1;
+    EXPECT_EQ(frame.run(input_).ok(), tier == Tier::kCpu);
+  }
+}
+
+TEST_F(LostContext, LaplacianStepsSkipTheRasterTier) {
+  gl::TieredFrame frame;
+  const PlanOptions options{.laplace_steps = 3};
+  EXPECT_EQ(frame.create(ball_.view(), Tier::kGpuRaster, options).code, StatusCode::kUnavailable);
+  ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu, options, reportedReset).ok());
   ASSERT_TRUE(frame.run(input_).ok());
-  expectWeights(frame);  // a first frame is all the way there
+  std::vector<int16_t> without = expected_;
+  expected_.resize(without.size());
+  frame.executor()->read(Buffer::kWeights, std::as_writable_bytes(std::span(expected_)));
+  EXPECT_NE(expected_, without);
   resets_to_report = 1;
   EXPECT_FALSE(frame.run(input_).ok());
   EXPECT_EQ(frame.tier(), Tier::kCpu);

@@ -53,7 +53,9 @@ enum class Buffer : uint8_t {
   kTangents,   // float4 a vertex
   kTriangleQ,  // float, a triangle a layer: layer * triangles + triangle
   kPointQ,     // float, a point a layer
+  kOtherQ,     // likewise: Laplacian steps go from one to the other, and end in kPointQ
   kState,      // float, weightStride a vertex: of attack and release; not initialised, see FrameInput::reset
+  kNextState,  // raster form: likewise
   kWeights,    // snorm16 pairs: weightStride a vertex
   kCount,
 };
@@ -77,10 +79,13 @@ enum class Shader : uint8_t {
   kDeform,
   kCompress,
   kSmooth,
+  kLaplace,
   kRespond,
   kRasterDeform,
   kRasterMeasure,
+  kRasterEase,
   kRasterRespond,
+  kRasterKeep,
   kCount
 };
 
@@ -130,9 +135,10 @@ struct PlanOptions {
   bool posed_by_host = false;  // the host fills kPositions, the plan poses nothing
   bool normals = true;         // pose normals and tangents too
   Skinning skinning = Skinning::kLinear;
-  bool ease = false;       // attack and release of weights; not in the raster form
-  bool point_q = false;    // the clustered form writes kPointQ too, for tools
-  uint32_t instances = 1;  // >= 1; more than one in the clustered form alone
+  bool ease = false;           // attack and release of weights
+  bool point_q = false;        // the clustered form writes kPointQ too, for tools
+  uint32_t instances = 1;      // >= 1; more than one in the clustered form alone
+  uint32_t laplace_steps = 0;  // extra smoothing steps over the points, in the staged form alone
 };
 
 // Everything that changes from frame to frame, of one instance.
@@ -149,6 +155,7 @@ struct FrameInput {
   bool reset = false;                // for the first frame, cuts and teleports
   float fade = 1.0f;                 // [0, 1], with distance
   uint32_t active_layers = 0xffffu;  // bit l: layer l is computed; the others cost nothing and weigh 0
+  float laplace_rate = 0.5f;         // [0, 1], of PlanOptions::laplace_steps
 };
 
 class FramePlan {
@@ -157,8 +164,8 @@ class FramePlan {
   FramePlan(const AssetView& asset, const PlanOptions& options);
 
   const AssetView& asset() const { return *asset_; }
-  // As asked for, but staged and of one instance where clusters cannot hold the asset, and of one instance in
-  // the forms that have no more.
+  // As asked for, but staged and of one instance where clusters cannot hold the asset or there are Laplacian
+  // steps, of one instance in the forms that have no more, and without Laplacian steps in the raster form.
   const PlanOptions& options() const { return options_; }
   const BufferDesc& buffer(Buffer id) const { return buffers_[static_cast<size_t>(id)]; }
   const SumsDesc& sums() const { return sums_; }
