@@ -74,7 +74,7 @@ class CacheUse {
 // The depfile goes first: one that is older than its asset could hide an input.
 void write(const Options& options, std::span<const std::byte> bytes,
            const std::vector<std::filesystem::path>& inputs) {
-  for (const std::string& output : {options.out, options.init}) refuseToOverwrite(output, inputs);
+  refuseToOverwrite({options.out, options.init, options.depfile, options.report}, inputs);
   if (!options.depfile.empty()) writeText(options.depfile, makeRule(options.out, inputs));
   pipeline::writeFile(options.out, bytes);
 }

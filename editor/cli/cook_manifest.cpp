@@ -150,7 +150,10 @@ class ManifestCook {
 
   void writeDepfile() const {
     std::string rules;
-    for (uint32_t i = 0; i < assets_.size(); ++i) rules += makeRule(assets_[i].output, dependencies(i));
+    for (uint32_t i = 0; i < assets_.size(); ++i) {
+      refuseToOverwrite({options_.depfile, assets_[i].output}, dependencies(i));
+      rules += makeRule(assets_[i].output, dependencies(i));
+    }
     writeText(options_.depfile, rules);
   }
 
@@ -186,7 +189,7 @@ class ManifestCook {
     const ManifestAsset& asset = assets_[i];
     const auto found = pipeline::CookCache(options_.cache).find(pipeline::cookKey(asset.request, files_[i]));
     if (!found) return std::nullopt;
-    refuseToOverwrite(asset.output, files_[i]);
+    refuseToOverwrite({asset.output}, files_[i]);
     const bool written = deliver(asset.output, found->bytes, dependencies(i));
     if (written && !options_.quiet) lines = warningLines(asset.request.source.name(), found->warnings);
     return written;

@@ -3,6 +3,7 @@
 
 #include "editor/cli/backend.h"
 #include "editor/cli/commands.h"
+#include "editor/cli/outputs.h"
 #include "editor/cli/pose_options.h"
 #include "furrow/gl/executor.h"
 #include "pipeline/error.h"
@@ -102,6 +103,7 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
 
 void run(const Options& options) {
   options.pose.validate();
+  refuseToOverwrite({options.out}, {options.asset, options.pose.take});
   Backend backend(options.pose.backend);
   backend.require();
   const OpenedAsset opened = openAsset(options.asset);

@@ -23,7 +23,7 @@ Command addExport(CLI::App& app) {
     using pipeline::Exit;
     if (std::filesystem::path(options->out).extension() != ".glb")
       throw Error(Exit::kBadUsage, options->out, "GLB is what is written", "give a name that ends in .glb");
-    refuseToOverwrite(options->out, {options->asset});
+    refuseToOverwrite({options->out}, {options->asset});
     const OpenedAsset opened = openAsset(options->asset);
     pipeline::writeFile(options->out, pipeline::exportGlb(opened.asset.view(), opened.rig));
     printWarnings(options->asset, opened.warnings);

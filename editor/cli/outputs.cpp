@@ -1,5 +1,6 @@
 #include "editor/cli/outputs.h"
 
+#include <set>
 #include <span>
 
 #include "pipeline/error.h"
@@ -7,13 +8,20 @@
 
 namespace furrow::cli {
 
-void refuseToOverwrite(const std::filesystem::path& output,
+void refuseToOverwrite(const std::vector<std::filesystem::path>& outputs,
                        const std::vector<std::filesystem::path>& inputs) {
   std::error_code ignored;
-  for (const std::filesystem::path& input : inputs)
-    if (std::filesystem::equivalent(input, output, ignored))
-      throw pipeline::Error(pipeline::Exit::kBadUsage, output.string(), "the output would overwrite an input",
-                            "choose another name for it");
+  std::set<std::filesystem::path> names;
+  for (const std::filesystem::path& output : outputs) {
+    if (output.empty() || std::filesystem::is_other(output, ignored)) continue;
+    const auto refuse = [&](const char* what) {
+      throw pipeline::Error(pipeline::Exit::kBadUsage, output.string(), what, "choose another name for it");
+    };
+    if (!names.insert(std::filesystem::absolute(output, ignored).lexically_normal()).second)
+      refuse("two outputs have this name");
+    for (const std::filesystem::path& input : inputs)
+      if (std::filesystem::equivalent(input, output, ignored)) refuse("the output would overwrite an input");
+  }
 }
 
 void writeText(const std::filesystem::path& file, const std::string& text) {

@@ -8,8 +8,9 @@
 
 namespace furrow::cli {
 
-// Throws Error (kBadUsage) if `output` is one of the inputs.
-void refuseToOverwrite(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
+// Throws Error (kBadUsage) if an output is one of the inputs, or two are one file. Empty names are none.
+void refuseToOverwrite(const std::vector<std::filesystem::path>& outputs,
+                       const std::vector<std::filesystem::path>& inputs);
 
 void writeText(const std::filesystem::path& file, const std::string& text);
 

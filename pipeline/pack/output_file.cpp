@@ -87,13 +87,32 @@ void removeLeftovers(const std::filesystem::path& file) {
   }
 }
 
+bool writeThrough(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  const bool written = descriptor >= 0 && writeAll(descriptor, bytes);
+  const int error = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  errno = error;
+  return written;
+}
+
+bool replace(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  std::error_code error;
+  const std::filesystem::path target = std::filesystem::canonical(file, error);
+  const std::filesystem::path& name =
+      error ? file : target;  // the name of nothing yet, or of what a link leads to
+  removeLeftovers(name);
+  return Temporary(name).becomes(name, bytes);
+}
+
 }  // namespace
 
 void writeFile(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   std::error_code ignored;
-  removeLeftovers(file);
+  const auto status = std::filesystem::status(file, ignored);
   errno = EISDIR;
-  if (std::filesystem::is_directory(file, ignored) || !Temporary(file).becomes(file, bytes))
+  if (std::filesystem::is_directory(status) ||
+      !(std::filesystem::is_other(status) ? writeThrough(file, bytes) : replace(file, bytes)))
     throw Error(Exit::kEnvironment, file.string(),
                 std::string("cannot be written (") + std::strerror(errno) + ")",
                 "choose a folder that exists, may be written to and has room");

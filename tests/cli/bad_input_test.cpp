@@ -271,6 +271,24 @@ TEST_F(BadInput, OutputOverTheInput) {
   const std::filesystem::path source = write("sheet.glb", sheet());
   expectRefused(run({"cook", source, "-o", source}), 2, source);
   EXPECT_EQ(readText(source), sheet());
+  const std::filesystem::path asset = folder() / "sheet.furrow", take = write("take.csv", "a take"),
+                              recipe = write("recipe.json", R"({"layers": [{"name": "a"}]})");
+  ASSERT_EQ(run({"cook", source, "-o", asset, "--quiet"}).status, 0);
+  const std::string cooked = readText(asset), written = readText(recipe);
+  for (const char* option : {"--init", "--depfile", "--report"})
+    expectRefused(cook(source, {"--recipe", recipe, option, recipe, "--quiet"}), 2, recipe);
+  EXPECT_EQ(readText(recipe), written);
+  for (const std::filesystem::path& input : {asset, take})
+    expectRefused(run({"eval", asset, "--backend", "cpu", "--take", take, "-o", input}), 2, input);
+  EXPECT_EQ(readText(asset), cooked);
+  const std::filesystem::path manifest =
+      write("assets.json", R"({"assets": [{"source": "sheet.glb", "output": "a.furrow"}]})");
+  expectRefused(run({"cook", "--manifest", manifest, "--no-cache", "--depfile", manifest}), 2, manifest);
+}
+TEST_F(BadInput, TwoOutputsOfOneName) {
+  const std::string source = write("sheet.glb", sheet()), out = output() / "out.furrow";
+  expectRefused(cook(source, {"--report", out, "--quiet"}), 2, out);
+  EXPECT_EQ(cook(source, {"--report", "/dev/null", "--depfile", "/dev/null", "--quiet"}).status, 0);
 }
 TEST_F(BadInput, AFailedCookKeepsTheOldAsset) {
   const std::filesystem::path old = write("old.furrow", "an older asset");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -92,6 +93,38 @@ TEST_F(OutputFile, OnlyLeftoversOfTheDeadAreRemoved) {
   writeFile(file(), of(1));
   EXPECT_EQ(others().size(), 4u);
   EXPECT_FALSE(std::filesystem::exists(folder() / "asset.furrow.77-0.tmp"));
+}
+
+// As /dev/null, which must not become a file.
+TEST_F(OutputFile, APipeIsWrittenTo) {
+  const std::filesystem::path pipe = folder() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string read;
+  std::jthread reader([&] {
+    const int end = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    for (int i = 0; i < 1000 && read.empty(); ++i) {
+      char bytes[16];
+      if (const ssize_t count = ::read(end, bytes, sizeof bytes); count > 0)
+        read.assign(bytes, static_cast<size_t>(count));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ::close(end);
+  });
+  const std::string text = "furrow";
+  writeFile(pipe, std::as_bytes(std::span(text)));
+  reader.join();
+  EXPECT_EQ(read, text);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_F(OutputFile, ALinkStaysALink) {
+  std::filesystem::create_directory(folder() / "far");
+  const std::filesystem::path target = folder() / "far" / "target";
+  std::ofstream(target) << "old";
+  std::filesystem::create_symlink(target, file());
+  writeFile(file(), of(1));
+  EXPECT_TRUE(std::filesystem::is_symlink(file()));
+  EXPECT_EQ(std::filesystem::file_size(target), size_t{1} << 20);
 }
 
 }  // namespace
