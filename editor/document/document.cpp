@@ -19,21 +19,22 @@ bool same(const Content& a, const Content& b) {
 Document::Document(Content content, std::filesystem::path file, bool saved)
     : content_(std::move(content)), file_(std::move(file)), saved_(saved ? 0 : ~uint64_t{0}) {}
 
-void Document::become(Content content, uint64_t revision) {
-  content_ = std::move(content);
-  revision_ = revision;
+Document::Step Document::stepBack(const std::string& what, const Content& next) const {
+  return {what, content_.recipe, changesBetween(next.images, content_.images), revision_};
 }
 
 void Document::apply(Content next, const std::string& what) {
   if (same(content_, next)) return;
   const bool goes_on = gesture_ && !undo_.empty() && undo_.back().what == what && redo_.empty();
-  if (!goes_on) {
+  // A drag edits the recipe alone: images change by strokes, each a step.
+  if (!goes_on || next.images != content_.images) {
     if (undo_.size() == kMostSteps) undo_.erase(undo_.begin());
-    undo_.push_back({what, std::move(content_), revision_});
+    undo_.push_back(stepBack(what, next));
     redo_.clear();
   }
   gesture_ = true;
-  become(std::move(next), ++newest_);
+  content_ = std::move(next);
+  revision_ = ++newest_;
 }
 
 const std::string& Document::undoName() const {
@@ -43,22 +44,29 @@ const std::string& Document::redoName() const {
   return redo_.empty() ? kNothing : redo_.back().what;
 }
 
-void Document::undo() {
-  if (undo_.empty()) return;
-  Step step = std::move(undo_.back());
-  undo_.pop_back();
-  redo_.push_back({step.what, std::move(content_), revision_});
-  become(std::move(step.content), step.revision);
+void Document::take(std::vector<Step>& from, std::vector<Step>& to) {
+  if (from.empty()) return;
+  Step step = std::move(from.back());
+  from.pop_back();
+  Content next{std::move(step.recipe), changed(content_.images, step.images)};
+  to.push_back(stepBack(step.what, next));
+  content_ = std::move(next);
+  revision_ = step.revision;
   gesture_ = false;
 }
 
+void Document::undo() {
+  take(undo_, redo_);
+}
 void Document::redo() {
-  if (redo_.empty()) return;
-  Step step = std::move(redo_.back());
-  redo_.pop_back();
-  undo_.push_back({step.what, std::move(content_), revision_});
-  become(std::move(step.content), step.revision);
-  gesture_ = false;
+  take(redo_, undo_);
+}
+
+size_t Document::historyBytes() const {
+  size_t bytes = 0;
+  for (const auto* steps : {&undo_, &redo_})
+    for (const Step& step : *steps) bytes += byteCount(step.images);
+  return bytes;
 }
 
 void Document::save(const std::filesystem::path& file) {
@@ -77,10 +85,10 @@ void Document::save(const std::filesystem::path& file) {
 }
 
 void Document::reloaded(Content content) {
-  undo_.push_back({"change on disk", std::move(content_), revision_});
+  undo_.push_back(stepBack("change on disk", content));
   redo_.clear();
-  become(std::move(content), ++newest_);
-  saved_ = revision_;
+  content_ = std::move(content);
+  saved_ = revision_ = ++newest_;
   gesture_ = false;
 }
 

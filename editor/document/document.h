@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/maps/image.h"
+#include "editor/document/image_change.h"
 #include "pipeline/recipe/recipe.h"
 
 namespace furrow::editor {
@@ -44,6 +44,8 @@ class Document {
   void undo();
   void redo();
 
+  size_t historyBytes() const;  // of the images that undo() and redo() need
+
   // Writes the images that changed since they were read or saved, then the recipe, to `file`: each appears
   // whole or not at all, and the recipe last, so that it never names an image that is not there. Throws
   // pipeline::Error (kEnvironment); the document then stays as it was and stays dirty.
@@ -52,14 +54,18 @@ class Document {
   void reloaded(Content content);
 
  private:
+  // From the content to that before the edit (undo) or after it (redo).
   struct Step {
     std::string what;
-    Content content;  // before the edit (undo) or after it (redo)
+    pipeline::Recipe recipe;
+    ImageChanges images;
     uint64_t revision = 0;
   };
   static constexpr size_t kMostSteps = 200;
 
-  void become(Content content, uint64_t revision);
+  // The step back to the content, from `next`.
+  Step stepBack(const std::string& what, const Content& next) const;
+  void take(std::vector<Step>& from, std::vector<Step>& to);
 
   Content content_;
   std::filesystem::path file_;

@@ -10,6 +10,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "editor/preview/cpu_frame.h"
@@ -111,9 +112,14 @@ class UploadedFrame {
     for (GlObject& buffer : buffers_) buffer = GlObject(GlKind::kBuffer);
   }
 
-  PosedBuffers run(const FrameInput& input, StageTimes* times) {
+  // `mask`: a value a vertex that the weights of `layer` are multiplied by, or empty.
+  PosedBuffers run(const FrameInput& input, uint32_t layer, std::span<const float> mask, StageTimes* times) {
     frame_.run(input, times);
     StageClock clock(times);
+    for (size_t v = 0; v < mask.size(); ++v) {
+      int16_t& weight = frame_.weights[v * (frame_.weights.size() / mask.size()) + layer];
+      weight = static_cast<int16_t>(std::lround(mask[v] * static_cast<float>(weight)));
+    }
     refill(buffers_[0], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.positions));
     refill(buffers_[1], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.normals));
     refill(buffers_[2], GL_ARRAY_BUFFER, std::span<const Float4>(frame_.tangents));
@@ -168,7 +174,8 @@ class GpuFrame {
 struct Renderer::State {
   explicit State(const AssetView& asset);
 
-  Status pose(const FrameInput& input, Tier tier, gl::ResetStatus lost, StageTimes* times, PosedBuffers& out);
+  Status pose(const FrameInput& input, const RenderOptions& options, Tier tier, gl::ResetStatus lost,
+              PosedBuffers& out);
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
   void fillScene(const RenderOptions& options);
@@ -177,8 +184,10 @@ struct Renderer::State {
   void drawParts(const RenderOptions& options);
   void drawStrokes(const RenderOptions& options);
 
-  const AssetView& asset;
   const uint32_t generation = objectGeneration();
+  std::vector<Layer> layers;  // of `asset`
+  AssetView asset;
+  uint32_t unmasked = kAbsent;  // the layer whose mask is painted: its weights are masked already
   std::map<std::tuple<View, Shading, Lighting, bool>, GlObject>
       surface;  // programs by surfaceProgram()'s constants
   GlObject shadow, background, stroke;
@@ -195,13 +204,16 @@ struct Renderer::State {
   std::unique_ptr<PictureTarget> target;
 
  private:
+  PosedBuffers poseOnCpu(const FrameInput& input, const RenderOptions& options);
+  void unmask(uint32_t layer);
   void makePrograms();
   void makeShadowMap();
   void makeMaterials();
   void makeMasks();
 };
 
-Renderer::State::State(const AssetView& view) : asset(view) {
+Renderer::State::State(const AssetView& view) : layers(view.layers.begin(), view.layers.end()), asset(view) {
+  asset.layers = layers;
   makePrograms();
   makeShadowMap();
   for (const TextureSet& set : asset.texture_sets)
@@ -286,7 +298,7 @@ void Renderer::State::makeMaterials() {
       std::memcpy(material.windows, set.windows, sizeof material.windows);
       for (uint32_t l = 0; l < asset.layerCount(); ++l)
         material.slices[l] = {set.compress_slice[l], set.stretch_slice[l],
-                              material.with_masks ? asset.layers[l].mask_slice : kAbsent, 0};
+                              material.with_masks && l != unmasked ? asset.layers[l].mask_slice : kAbsent, 0};
     }
     std::memcpy(&bytes[p * static_cast<size_t>(material_stride)], &material, sizeof material);
   }
@@ -296,21 +308,43 @@ void Renderer::State::makeMaterials() {
 void Renderer::State::makeMasks() {
   std::vector<uint8_t> bytes(size_t{asset.vertexCount()} * kMaxLayers, 255);
   for (size_t l = 0; l < asset.layers.size(); ++l)
-    for (size_t v = 0; v < asset.layers[l].mask.size(); ++v)
+    for (size_t v = 0; v < asset.layers[l].mask.size() && l != unmasked; ++v)
       bytes[v * kMaxLayers + l] = asset.layers[l].mask[v];
   masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
 }
 
-Status Renderer::State::pose(const FrameInput& input, Tier tier, gl::ResetStatus lost, StageTimes* times,
-                             PosedBuffers& out) {
+void Renderer::State::unmask(uint32_t layer) {
+  if (layer == unmasked) return;
+  unmasked = layer;
+  makeMasks();
+  makeMaterials();
+}
+
+PosedBuffers Renderer::State::poseOnCpu(const FrameInput& input, const RenderOptions& options) {
+  if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
+  const std::span<const float> mask = unmasked == kAbsent ? std::span<const float>() : options.mask;
+  if (options.bias.empty()) return cpu->run(input, options.layer, mask, options.times);
+  std::vector<int16_t> painted;
+  for (const float value : options.bias)
+    painted.push_back(static_cast<int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f)));
+  std::span<const int16_t>& bias = layers[options.layer].bias;
+  const std::span<const int16_t> own = std::exchange(bias, painted);
+  const PosedBuffers posed = cpu->run(input, options.layer, mask, options.times);
+  bias = own;
+  return posed;
+}
+
+Status Renderer::State::pose(const FrameInput& input, const RenderOptions& options, Tier tier,
+                             gl::ResetStatus lost, PosedBuffers& out) {
+  const bool masked = tier == Tier::kCpu && options.view == View::kBeauty && !options.mask.empty();
+  unmask(masked ? options.layer : kAbsent);
   if (tier == Tier::kCpu) {
-    if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
-    out = cpu->run(input, times);
+    out = poseOnCpu(input, options);
     return {};
   }
   std::unique_ptr<GpuFrame>& frame = tier == Tier::kGpu ? gpu_frame : raster_frame;
   if (!frame) frame = std::make_unique<GpuFrame>(asset, tier, lost);
-  return frame->run(input, times, out);
+  return frame->run(input, options.times, out);
 }
 
 void Renderer::State::bindSurface(const PosedBuffers& posed) const {
@@ -461,8 +495,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) t
   }
   if (options.times) options.times->clear();
   PosedBuffers posed{};
-  if (const Status status = s.pose(input, tier_, asked_, options.times, posed); !status.ok())
-    lose(status.message);
+  if (const Status status = s.pose(input, options, tier_, asked_, posed); !status.ok()) lose(status.message);
   StageClock clock(options.times);
   s.bindSurface(posed);
   s.bindValues(input, options);

@@ -36,9 +36,9 @@ struct RenderOptions {
   uint32_t layer = 0;  // for the views of one layer: weight, direction, mask, bias, confidence
   Camera camera;
   float light_yaw = 0.0f;  // degrees that the lights are turned by round the picture's upright, to its right
-  // A value a vertex that the views mask, in [0, 1], and bias, in [-1, 1], show in place of the asset's; or
-  // empty.
-  std::span<const float> values;
+  // A value a vertex in place of the asset's for `layer`, as it is being painted: mask, in [0, 1], and bias,
+  // in [-1, 1]; or empty. The views mask and bias show them on every tier, the other views on the cpu tier.
+  std::span<const float> mask, bias;
   // If not null, every stage of draw() is waited for, and how long it took is left here.
   StageTimes* times = nullptr;
 };

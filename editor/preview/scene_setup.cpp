@@ -47,10 +47,12 @@ void checkPicture(const AssetView& asset, const FrameInput& input, const RenderO
   if (!input.responses.empty() && input.responses.size() != asset.layers.size())
     fail("the number of responses is not that of the layers");
   if (!(input.scale > 0.0f) || !std::isfinite(input.scale)) fail("the scale is not above 0");
-  if (!options.values.empty() && options.values.size() != asset.vertexCount())
-    fail("the number of values is not that of the vertices");
+  for (const std::span<const float> painted : {options.mask, options.bias})
+    if (!painted.empty() && painted.size() != asset.vertexCount())
+      fail("the number of painted values is not that of the vertices");
   const bool of_layer =
-      options.view != View::kBeauty && options.view != View::kPoint && options.view != View::kMorph;
+      !options.mask.empty() || !options.bias.empty() ||
+      (options.view != View::kBeauty && options.view != View::kPoint && options.view != View::kMorph);
   if (of_layer && options.layer >= asset.layerCount()) fail("the view's layer does not exist");
   const Camera& camera = options.camera;
   if (!(camera.distance > 0.0f) || !(camera.field_of_view > 0.0f) || !(camera.field_of_view < 180.0f))
@@ -95,7 +97,7 @@ gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options) {
                 spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
   scene.layer = options.layer;
   scene.layers = asset.layerCount();
-  scene.given_values = !options.values.empty();
+  scene.given_values = options.view == View::kMask && !options.mask.empty();
   return scene;
 }
 
@@ -126,11 +128,11 @@ std::vector<glm::vec4> shownValues(const AssetView& asset, const FrameInput& inp
   if (options.view == View::kDirection || options.view == View::kConfidence)
     shown = directionValues(asset, options.layer);
   if (options.view == View::kMorph) shown = morphValues(asset, input.morph_weights);
-  if (options.view == View::kMask || options.view == View::kBias)
-    for (size_t v = 0; v < options.values.size(); ++v) {
-      shown.resize(options.values.size());
-      shown[v].x = options.values[v];
-    }
+  if (options.view == View::kMask || options.view == View::kBias) {
+    const std::span<const float> painted = options.view == View::kMask ? options.mask : options.bias;
+    if (!painted.empty()) shown.resize(painted.size());
+    for (size_t v = 0; v < painted.size(); ++v) shown[v].x = painted[v];
+  }
   return shown;
 }
 

@@ -64,6 +64,14 @@ void drawMenus(const std::vector<Action>& actions) {
       if (menu != action.menu) continue;
       if (action.separated && !first) ImGui::Separator();
       first = false;
+      if (action.submenu) {
+        const bool opened = ImGui::BeginMenu(action.label, action.enabled());
+        if (!opened) mark(action.id);
+        if (!opened) continue;
+        action.submenu();
+        ImGui::EndMenu();
+        continue;
+      }
       if (ImGui::MenuItem(action.label, chordText(action.chord).c_str(), action.checked && action.checked(),
                           action.enabled()))
         action.run();

@@ -34,6 +34,7 @@ struct Action {
   std::function<bool()> enabled = [] { return true; };
   std::function<bool()> checked = {};  // of a switch
   bool separated = false;              // a line above it in the menu
+  std::function<void()> submenu = {};  // draws the items of a menu of its own; `run` is not used
 };
 
 // Menus of the main bar, in order, and what the keys ask for. Keys are not looked at while text is typed.

@@ -268,8 +268,7 @@ void drawProblems(State& state) {
   ImGui::EndChild();
 }
 
-void drawFirstStart(State& state, const std::function<void(const fs::path&)>& open,
-                    const std::function<void(const char*)>& open_sample) {
+void drawFirstStart(State& state, Samples& samples, const std::function<void(const fs::path&)>& open) {
   const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   const float width = std::min(38.0f * em(), size.x - 4.0f * em());
   ImGui::SetCursorScreenPos({low.x + 0.5f * (size.x - width), low.y + std::max(0.16f * size.y, 2.0f * em())});
@@ -279,9 +278,8 @@ void drawFirstStart(State& state, const std::function<void(const fs::path&)>& op
   ImGui::PopFont();
   ImGui::PushTextWrapPos(width);
   ImGui::TextDisabled(
-      "Wrinkles that follow how the surface is squeezed. Open a character (glTF, OBJ, PLY, STL, OFF), play "
-      "it, "
-      "paint where it wrinkles, and cook it for your game.");
+      "Wrinkles that follow how the surface is squeezed. Open a character, play it, paint where it wrinkles, "
+      "and cook it for your game.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, 0.8f * em()});
   ImGui::TextUnformatted("Begin with a sample");
@@ -293,27 +291,42 @@ void drawFirstStart(State& state, const std::function<void(const fs::path&)>& op
       {"first.clothing", "jacket", "Jacket", "A jacket on arms that bend: folds at elbow, armpit and waist"}};
   for (const Sample& sample : kSamples) {
     if (&sample != kSamples) ImGui::SameLine();
-    if (button(sample.id, sample.label, sample.tip, true, 0.5f * (width - ImGui::GetStyle().ItemSpacing.x)))
-      open_sample(sample.file);
+    if (button(sample.id, sample.label, sample.tip, !samples.making(),
+               0.5f * (width - ImGui::GetStyle().ItemSpacing.x)))
+      samples.ask(sample.file);
+  }
+  if (samples.making()) {
+    const float part = static_cast<float>(samples.made()) / static_cast<float>(Samples::kCount);
+    ImGui::ProgressBar(state.scripted ? 0.0f : part, {width, 0.0f},
+                       "Making the samples: once, some ten seconds");
+    mark("first.progress");
   }
   ImGui::Dummy({0, 0.6f * em()});
   ImGui::TextUnformatted("Or open a file");
   if (button("first.open", "Open ...",
-             "A mesh, a recipe or a cooked asset  (Ctrl+O); or drop a file on the window", true, width))
+             "A mesh (glTF, OBJ, PLY, STL, OFF), a recipe or a cooked asset  (Ctrl+O); or drop a file on the "
+             "window",
+             true, width))
     state.dialog = Dialog::kOpen;
   if (!state.settings.recent.empty()) {
     ImGui::Dummy({0, 0.6f * em()});
     ImGui::TextUnformatted("Recent");
-    for (size_t i = 0; i < state.settings.recent.size(); ++i) {
-      const fs::path file = state.settings.recent[i];
-      const std::string label =
-          file.filename().string() + "   " + file.parent_path().string() + "##" + std::to_string(i);
-      if (ImGui::Selectable(label.c_str())) return open(file), ImGui::EndChild();
-      mark(("first.recent." + std::to_string(i)).c_str());
-      tooltip("Opens it again");
-    }
+    drawRecent(state, "first", open);
   }
   ImGui::EndChild();
+}
+
+void drawRecent(State& state, const char* where, const std::function<void(const fs::path&)>& open) {
+  const std::vector<fs::path> recent = state.settings.recent;  // opening changes the list
+  for (size_t i = 0; i < recent.size(); ++i) {
+    std::error_code ignored;
+    const bool there = fs::exists(recent[i], ignored);
+    const std::string label = recent[i].filename().string() + "##" + std::to_string(i),
+                      folder = recent[i].parent_path().string();
+    if (ImGui::MenuItem(label.c_str(), folder.c_str(), false, there)) open(recent[i]);
+    mark((std::string(where) + ".recent." + std::to_string(i)).c_str());
+    tooltip(there ? "Opens it again" : "It is no longer there");
+  }
 }
 
 }  // namespace furrow::editor::ui

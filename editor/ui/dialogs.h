@@ -1,5 +1,6 @@
 #pragma once
 
+#include "editor/session/samples.h"
 #include "editor/ui/actions.h"
 #include "editor/ui/state.h"
 
@@ -42,8 +43,12 @@ void drawKeys(State& state, const std::vector<Action>& actions);
 // What went wrong and what there is to know, latest last.
 void drawProblems(State& state);
 
-// Before anything is open: what to do, the samples (`open_sample` takes the name of one), the recent files.
-void drawFirstStart(State& state, const std::function<void(const std::filesystem::path&)>& open,
-                    const std::function<void(const char*)>& open_sample);
+// The files that were opened last; their ids begin with `where`.
+void drawRecent(State& state, const char* where,
+                const std::function<void(const std::filesystem::path&)>& open);
+
+// Before anything is open: what to do, the samples, the recent files.
+void drawFirstStart(State& state, Samples& samples,
+                    const std::function<void(const std::filesystem::path&)>& open);
 
 }  // namespace furrow::editor::ui

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 #include "editor/ui/layer_panel.h"
@@ -19,6 +18,7 @@ namespace fs = std::filesystem;
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
 constexpr const char* kEllipsis = "\xe2\x80\xa6";
+constexpr float kCursorStep = 0.01f;   // of the picture's sides
 constexpr float kPanStep = 0.05f;      // of the picture's height
 constexpr float kMostOfScreen = 0.4f;  // that a panel takes of the width
 const std::vector<std::string> kImages = {".png", ".tif", ".tiff", ".exr", ".tga", ".jpg", ".jpeg", ".webp"};
@@ -54,16 +54,6 @@ void drawEdge(const char* id, float x, float top, float height, float& width, fl
   ImGui::End();
 }
 
-// Where the samples are made: the user's cache.
-fs::path sampleFolder() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  const char* home = std::getenv("HOME");
-  const fs::path base = cache && *cache ? fs::path(cache)
-                        : home          ? fs::path(home) / ".cache"
-                                        : fs::temp_directory_path();
-  return base / "furrow" / "samples";
-}
-
 }  // namespace
 
 Editor::Editor(Session& session, Settings& settings) : state_(session, settings) {
@@ -81,6 +71,7 @@ void Editor::makeActions() {
   const auto tool = [&s](Tool to) {
     return [&s, to] {
       s.tool = to;
+      if (to == Tool::kLook) s.cursor.reset();
       if (to == Tool::kBias) s.looks[0].view = static_cast<int>(preview::View::kBias);
       if (to == Tool::kMask) s.looks[0].view = static_cast<int>(preview::View::kMask);
       if (to == Tool::kComb || to == Tool::kGuide)
@@ -120,6 +111,13 @@ void Editor::makeActions() {
       s.settings.scale = s.scale;
     };
   };
+  const auto cursor = [&s] { return s.cursor.has_value(); };
+  const auto nudge = [&s](float x, float y) {
+    return [&s, x, y] {
+      s.cursor->x = std::clamp(s.cursor->x + kCursorStep * x, 0.0f, 1.0f);
+      s.cursor->y = std::clamp(s.cursor->y + kCursorStep * y, 0.0f, 1.0f);
+    };
+  };
   const auto split = [&s] { return s.session.shown() && s.split; };
   actions_ = {
       {"file.open",
@@ -128,6 +126,16 @@ void Editor::makeActions() {
        {'O', true, false},
        "Open a mesh, a recipe or a cooked asset",
        [&s] { s.dialog = Dialog::kOpen; }},
+      {"file.recent",
+       "File",
+       "Open recent",
+       {},
+       "The files that were opened last",
+       {},
+       [&s] { return !s.settings.recent.empty(); },
+       {},
+       false,
+       [this, &s] { drawRecent(s, "file", [this](const fs::path& file) { open(file); }); }},
       {"file.save",
        "File",
        "Save recipe",
@@ -261,6 +269,24 @@ void Editor::makeActions() {
        [&s] { s.brush.erase = !s.brush.erase; },
        editable,
        [&s] { return s.brush.erase; }},
+      {"brush.keyboard",
+       "Edit",
+       "Brush by keyboard",
+       {'C', false, false},
+       "Move the brush with the arrows, in place of the mouse; Space puts it down and lifts it",
+       [&s] {
+         s.cursor = s.cursor ? std::nullopt : std::optional(ImVec2(0.5f, 0.5f));
+         s.cursor_down = false;
+       },
+       [&s] { return s.session.shown() && s.session.editable() && s.tool != Tool::kLook; },
+       [&s] { return s.cursor.has_value(); }},
+      {"brush.down",
+       "",
+       "",
+       {key::kSpace, false, false},
+       "With the brush by keyboard: put it down, lift it",
+       [&s] { s.cursor_down = !s.cursor_down; },
+       cursor},
       {"brush.smaller",
        "",
        "",
@@ -498,6 +524,33 @@ void Editor::makeActions() {
        "Every key and what the mouse does",
        [&s] { s.keys_shown = true; }},
 
+      {"help.face",
+       "Help",
+       "Sample: face",
+       {},
+       "Open the demo face, to try things on",
+       [this] { samples_.ask("face"); },
+       [this] { return !samples_.making(); },
+       {},
+       true},
+      {"help.jacket",
+       "Help",
+       "Sample: jacket",
+       {},
+       "Open the demo jacket, to try things on",
+       [this] { samples_.ask("jacket"); },
+       [this] { return !samples_.making(); }},
+
+      {"cursor.left", "", "", {key::kLeft, false, false}, "Keyboard brush to the left", nudge(-1, 0), cursor},
+      {"cursor.right",
+       "",
+       "",
+       {key::kRight, false, false},
+       "Keyboard brush to the right",
+       nudge(1, 0),
+       cursor},
+      {"cursor.up", "", "", {key::kUp, false, false}, "Keyboard brush upwards", nudge(0, -1), cursor},
+      {"cursor.down", "", "", {key::kDown, false, false}, "Keyboard brush downwards", nudge(0, 1), cursor},
       {"camera.left", "", "", {key::kLeft, false, false}, "Orbit to the left", orbit(-5, 0), is_open},
       {"camera.right", "", "", {key::kRight, false, false}, "Orbit to the right", orbit(5, 0), is_open},
       {"camera.up", "", "", {key::kUp, false, false}, "Orbit upwards", orbit(0, 5), is_open},
@@ -559,12 +612,28 @@ void Editor::open(const fs::path& file) {
   };
 }
 
+void Editor::drop(const fs::path& file) {
+  if (file.extension() == ".csv" && state_.session.shown())
+    playTake(file);
+  else
+    open(file);
+}
+
+void Editor::playTake(const fs::path& file) {
+  try {
+    state_.session.player.take = pipeline::readTake(file);
+    state_.session.player.take_name = file.filename().string();
+  } catch (const pipeline::Error& error) {
+    state_.session.tell(Message::Kind::kError, error.what());
+  }
+}
+
 void Editor::askToQuit() {
   state_.leaving = [this] { state_.quit = true; };
 }
 
 bool Editor::busy() const {
-  return state_.session.cooking() || state_.session.player.playing || share_.running() || state_.scripted;
+  return working() || state_.session.player.playing || state_.scripted;
 }
 
 std::string Editor::title() const {
@@ -584,29 +653,20 @@ void Editor::keepSelection() {
   }
 }
 
-void Editor::openSample(const char* name) {
-  const fs::path folder = sampleFolder(), file = folder / (std::string(name) + ".glb");
-  std::error_code error;
-  if (!fs::exists(file, error)) {
-    // The program that makes them lies beside this one.
-    const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path() / "furrow_content";
-    fs::create_directories(folder, error);
-    const std::string command = "'" + program.string() + "' '" + folder.string() + "'";
-    if (!fs::exists(program, error) || std::system(command.c_str()) != 0) {
-      state_.session.tell(
-          Message::Kind::kError,
-          program.string() + ": the samples cannot be made: put furrow_content beside the editor");
-      state_.problems_shown = true;
-      return;
-    }
-  }
-  open(file);
+void Editor::takeSample() {
+  const std::optional<Samples::Result> result = samples_.take();
+  if (!result) return;
+  if (result->error.empty())
+    open(result->file);
+  else
+    state_.session.tell(Message::Kind::kError, result->error);
 }
 
 void Editor::frame(double seconds) {
   beginFrame();
   Session& session = state_.session;
   session.update(seconds);
+  takeSample();
   keepSelection();
   frame_.reset();
   if (session.shown()) frame_ = session.player.frame(*session.shown()->loaded);
@@ -662,8 +722,7 @@ void Editor::frame(double seconds) {
   if (panels)
     viewport_.draw(state_, frame_ ? &*frame_ : nullptr);
   else
-    drawFirstStart(
-        state_, [this](const fs::path& file) { open(file); }, [this](const char* name) { openSample(name); });
+    drawFirstStart(state_, samples_, [this](const fs::path& file) { open(file); });
   drawBanner(ImGui::GetWindowPos(), middle);
   ImGui::End();
   beginPanel("Status", {0, screen.y - status}, {screen.x, status});
@@ -889,14 +948,7 @@ void Editor::openDialog() {
                   [this](const fs::path& file) { state_.session.cookTo(file); });
       break;
     case Dialog::kTake:
-      files_.open("Play take", folder, {".csv"}, false, [this](const fs::path& file) {
-        try {
-          state_.session.player.take = pipeline::readTake(file);
-          state_.session.player.take_name = file.filename().string();
-        } catch (const pipeline::Error& error) {
-          state_.session.tell(Message::Kind::kError, error.what());
-        }
-      });
+      files_.open("Play take", folder, {".csv"}, false, [this](const fs::path& file) { playTake(file); });
       break;
     case Dialog::kCompare:
       files_.open("Compare with", folder, kMeshes, false, [this](const fs::path& file) {

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "editor/session/samples.h"
 #include "editor/ui/actions.h"
 #include "editor/ui/dialogs.h"
 #include "editor/ui/share.h"
@@ -20,9 +21,11 @@ class Editor {
   State& state() { return state_; }
   void frame(double seconds);                    // since the last one
   void open(const std::filesystem::path& file);  // asks about unsaved work first
+  // A take plays; anything else is opened.
+  void drop(const std::filesystem::path& file);
   void askToQuit();
   bool quit() const { return state_.quit; }
-  bool sharing() const { return share_.running(); }
+  bool working() const { return state_.session.cooking() || share_.running() || samples_.making(); }
   // Whether pictures change without any event: a window must not sleep.
   bool busy() const;
   std::string title() const;  // of the window
@@ -36,13 +39,15 @@ class Editor {
   void drawBanner(ImVec2 low, float width);
   void drawDialogs();
   void openDialog();
-  void openSample(const char* name);
+  void takeSample();
+  void playTake(const std::filesystem::path& file);
   void keepSelection();
 
   State state_;
   std::vector<Action> actions_;
   Viewport viewport_;
   Share share_;
+  Samples samples_{Samples::usualProgram(), Samples::usualFolder()};
   FileDialog files_;
   std::optional<preview::PosedFrame> frame_;
   size_t told_ = 0;        // messages already seen

@@ -96,6 +96,7 @@ bool PaintTool::begin(State& state, Painted kind) {
   if (!before)
     before = std::make_shared<pipeline::ByteImage>(canvas_->current(kind, asset, state.assetLayer(*shown_)));
   kind_ = kind;
+  layer_ = layer.name;
   stroke_ = std::make_unique<Stroke>(canvas_, before, kind, state.brush, diagonalOf(asset));
   return true;
 }
@@ -123,7 +124,7 @@ void PaintTool::finish(State& state) {
 }
 
 bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projection& projection,
-                    bool hovered) {
+                    const Pen& pen) {
   if (shown_ != state.session.shown()) {
     const bool in_stroke = stroke_ != nullptr;
     if (!in_stroke) {
@@ -131,6 +132,7 @@ bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projec
       shown_ = state.session.shown();
     }
   }
+  if (!stroke_ && state.layer != layer_) values_.clear();
   if (state.tool == Tool::kLook) {
     if (stroke_) finish(state);
     values_.clear();
@@ -139,15 +141,15 @@ bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projec
   const ImGuiIO& io = ImGui::GetIO();
   if (io.KeyAlt && !stroke_ && !curve_) return false;  // the camera's
   if (state.tool == Tool::kGuide) {
-    guide(state, frame, projection, hovered);
+    guide(state, frame, projection, pen);
     return true;
   }
   std::optional<SurfaceHit> hit;
-  if (hovered || stroke_) {
+  if (pen.over || stroke_) {
     shown_->surface.pose(frame.input);
-    hit = shown_->surface.hit(projection.eye, projection.rayAt(io.MousePos));
+    hit = shown_->surface.hit(projection.eye, projection.rayAt(pen.at));
   }
-  if (hit && hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+  if (hit && pen.over && pen.begins) {
     const bool erase = state.brush.erase;
     state.brush.erase = erase != io.KeyCtrl;
     begin(state, paintedBy(state.tool));
@@ -159,7 +161,7 @@ bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projec
     values_ = stroke_->vertexValues(shown_->view());
     ++stroke_number_;
   }
-  if (stroke_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) finish(state);
+  if (stroke_ && !pen.down) finish(state);
   if (hit) drawBrush(state, projection, *hit);
   return true;
 }
@@ -193,22 +195,22 @@ void PaintTool::drawBrush(const State& state, const Projection& projection, cons
 }
 
 void PaintTool::guide(State& state, const preview::PosedFrame& frame, const Projection& projection,
-                      bool hovered) {
+                      const Pen& pen) {
   Session& session = state.session;
   const uint32_t index = state.documentLayer();
   if (!session.editable() || index == pipeline::kNoIndex) return;
   const ImGuiIO& io = ImGui::GetIO();
   shown_->surface.pose(frame.input);
   std::optional<SurfaceHit> hit;
-  if (hovered || curve_) hit = shown_->surface.hit(projection.eye, projection.rayAt(io.MousePos));
-  if (hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+  if (pen.over || curve_) hit = shown_->surface.hit(projection.eye, projection.rayAt(pen.at));
+  if (pen.over && pen.begins) {
     if (io.KeyCtrl || state.brush.erase) {
       // The curve under the pointer goes.
       for (size_t c = 0; c < guide_hits_.size(); ++c)
         for (const SurfaceHit& point : guide_hits_[c]) {
           ImVec2 at;
           if (!projection.toScreen(shown_->surface.at(point.triangle, point.barycentric), at)) continue;
-          if (std::hypot(at.x - io.MousePos.x, at.y - io.MousePos.y) > kGrab * em() / 15.0f) continue;
+          if (std::hypot(at.x - pen.at.x, at.y - pen.at.y) > kGrab * em() / 15.0f) continue;
           state.edit("Remove guide", [&](pipeline::LayerRecipe& layer) {
             auto guides = std::get<pipeline::DirectionGuides>(layer.direction);
             guides.curves.erase(guides.curves.begin() + static_cast<std::ptrdiff_t>(c));
@@ -235,7 +237,7 @@ void PaintTool::guide(State& state, const preview::PosedFrame& frame, const Proj
       curve_hits_.push_back(*hit);
     }
   }
-  if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) return;
+  if (pen.down) return;
   if (curve_->size() >= 2)
     state.edit("Draw guide", [&](pipeline::LayerRecipe& layer) {
       auto* old = std::get_if<pipeline::DirectionGuides>(&layer.direction);

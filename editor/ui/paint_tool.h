@@ -9,22 +9,32 @@
 
 namespace furrow::editor::ui {
 
+// The pointer, or what the keyboard moves in its place.
+struct Pen {
+  ImVec2 at;            // on the screen
+  bool over = false;    // the picture
+  bool begins = false;  // was put down in this frame
+  bool down = false;
+};
+
 class PaintTool {
  public:
-  // Takes the pointer over the picture; true while it does, so that the camera stays. Draws the brush.
-  bool use(State& state, const preview::PosedFrame& frame, const Projection& projection, bool hovered);
+  // Takes the pen over the picture; true while it does, so that the camera stays. Draws the brush.
+  bool use(State& state, const preview::PosedFrame& frame, const Projection& projection, const Pen& pen);
   // The guide curves of the selected layer.
   void drawGuides(const State& state, const preview::PosedFrame& frame, const Projection& projection);
 
-  // What a stroke in progress shows, or what the painted image says; a value a vertex.
-  std::span<const float> values() const { return values_; }
+  // What a stroke in progress, or one that is not cooked yet, makes of the selected layer; a value a vertex,
+  // or empty.
+  std::span<const float> mask() const { return kind_ == Painted::kMask ? values_ : std::span<const float>(); }
+  std::span<const float> bias() const { return kind_ == Painted::kBias ? values_ : std::span<const float>(); }
   uint64_t stroke() const { return stroke_number_; }
   void forget();  // of the asset that is gone
 
  private:
   bool begin(State& state, Painted kind);
   void finish(State& state);
-  void guide(State& state, const preview::PosedFrame& frame, const Projection& projection, bool hovered);
+  void guide(State& state, const preview::PosedFrame& frame, const Projection& projection, const Pen& pen);
   void drawBrush(const State& state, const Projection& projection, const SurfaceHit& hit) const;
 
   std::shared_ptr<Shown> shown_;
@@ -32,6 +42,7 @@ class PaintTool {
   std::string canvas_key_;
   std::unique_ptr<Stroke> stroke_;
   Painted kind_ = Painted::kBias;
+  std::string layer_;  // that the stroke, or the last one, is of
   std::vector<float> values_;
   uint64_t stroke_number_ = 0;
   std::optional<std::vector<std::array<double, 3>>> curve_;  // being drawn, rest

@@ -141,9 +141,9 @@ class Runner {
   void wait() {
     const auto begin = std::chrono::steady_clock::now();
     pass(2);
-    while (editor_.state().session.cooking() || editor_.sharing()) {
+    while (editor_.working()) {
       pass(1);
-      std::this_thread::sleep_for(std::chrono::milliseconds(editor_.sharing() ? 0 : 5));
+      if (editor_.state().session.cooking()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       if (std::chrono::steady_clock::now() - begin > kPatience)
         fail("the cook does not end", "cook a smaller file");
     }
@@ -166,6 +166,11 @@ class Runner {
       holds = !session.document.dirty();
     } else if (what == "widget") {
       holds = find(rest).has_value();
+    } else if (what == "layers") {
+      const std::vector<std::string> wanted(words.begin() + 2, words.end());
+      std::vector<std::string> names;
+      for (const pipeline::LayerRecipe& layer : session.document.recipe().layers) names.push_back(layer.name);
+      holds = names == wanted;
     } else {
       fail("\"expect " + what + "\" is none", "see the list of commands");
     }
@@ -182,6 +187,9 @@ class Runner {
     };
     if (what == "open") {
       editor_.open(argument(1));
+      pass(2);
+    } else if (what == "drop") {
+      editor_.drop(argument(1));
       pass(2);
     } else if (what == "wait") {
       wait();

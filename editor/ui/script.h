@@ -4,7 +4,8 @@
 // editor as a person would. One command a line, words apart by spaces, text with spaces in quotes, '#' begins
 // a remark:
 //
-//   open FILE                         as if dropped on the window
+//   open FILE                         as the dialog would
+//   drop FILE                         as if dropped on the window
 //   wait                              until nothing is cooking
 //   frames N                          lets N frames of 1/30 s pass
 //   move ID [X Y]                     the pointer to a widget; X Y in parts of its size, default 0.5 0.5
@@ -16,7 +17,7 @@
 //   type TEXT
 //   picture NAME                      the whole window as NAME.png in the folder of frames
 //   expect WORD ...                   fails unless: "expect message TEXT", "expect no error", "expect dirty",
-//                                     "expect saved", "expect widget ID"
+//                                     "expect saved", "expect widget ID", "expect layers NAME ..."
 
 #include <filesystem>
 #include <functional>

@@ -2,8 +2,11 @@
 
 // What the panels share: the session, what is selected, and how it is looked at.
 
+#include <imgui.h>
+
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "editor/preview/camera.h"
@@ -49,6 +52,8 @@ struct State {
   std::string layer;  // name of the selected one
   Tool tool = Tool::kLook;
   Brush brush;
+  std::optional<ImVec2> cursor;  // of the brush by keyboard, in parts of the picture's sides
+  bool cursor_down = false;
 
   preview::Camera camera;  // target in root space
   bool framed = false;     // the camera was set for what is open

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <string_view>
+#include <utility>
 
 #include "editor/ui/paint_tool.h"
 #include "editor/ui/uv_view.h"
@@ -75,8 +76,7 @@ preview::RenderOptions Pane::options(const State& state, const Shown& shown, con
 }
 
 uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, const preview::PosedFrame& frame,
-                    const Look& look, uint32_t width, uint32_t height, std::span<const float> values,
-                    uint64_t stroke, Drawn& drawn) {
+                    const Look& look, uint32_t width, uint32_t height, const PaintTool* paint, Drawn& drawn) {
   try {
     gl::TierChoice choice;
     std::string_view wanted;
@@ -87,8 +87,14 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     hold(shown);
     preview::RenderOptions o = options(state, *shown, frame, look, width, height);
     o.tier = choice.tier;
-    const bool painted = o.view == preview::View::kMask || o.view == preview::View::kBias;
-    if (painted && values.size() == shown->view().vertexCount()) o.values = values;
+    const size_t vertices = shown->view().vertexCount();
+    if (paint && paint->mask().size() == vertices) o.mask = paint->mask();
+    if (paint && paint->bias().size() == vertices) o.bias = paint->bias();
+    const bool live = !o.mask.empty() || !o.bias.empty();
+    if (live && (o.view == preview::View::kBeauty || o.view == preview::View::kWeight)) {
+      o.tier = preview::Tier::kCpu;
+      choice = {o.tier, "what is painted shows on the cpu tier until it is cooked"};
+    }
     FrameInput input = frame.input;
     const std::vector<Response> responses = state.session.responses(*shown);
     input.responses = responses;
@@ -101,7 +107,7 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     for (float part : {c.target.x, c.target.y, c.target.z, c.distance, c.yaw, c.pitch, c.field_of_view,
                        o.light_yaw, input.scale})
       key.add(part);
-    key.add(o.values.empty() ? uint64_t{0} : stroke);
+    key.add(live ? paint->stroke() : uint64_t{0});
     key.add(input.palette);
     key.add(input.morph_weights);
     key.add(input.region_weights);
@@ -113,10 +119,12 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     o.times = &drawn.times;
     texture_ = renderer_->draw(input, o);
     key_ = key.value();
-    drawn.tier = gl::tierName(choice.tier);
-    drawn.reason = choice.reason;
+    drawn.tier = gl::tierName(renderer_->tier());
+    drawn.reason = renderer_->tier() == choice.tier ? choice.reason : "the tiers before it were lost";
     drawn.failed = false;
     return texture_;
+  } catch (const preview::ContextLost&) {
+    throw;  // nothing else can be drawn either
   } catch (const pipeline::Error& error) {
     drawn.failed = true;
     drawn.tier = look.tier;
@@ -279,8 +287,7 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
     const preview::PosedFrame other =
         compared ? state.session.player.frame(*of->loaded) : preview::PosedFrame();
     const uint32_t texture = panes_[side].draw(state, of, compared ? other : *frame, look, width, height,
-                                               compared ? std::span<const float>() : paint_->values(),
-                                               paint_->stroke(), state.drawn[side]);
+                                               compared ? nullptr : paint_.get(), state.drawn[side]);
     if (texture != 0) {
       const float u0 = (from.x - low.x) / size.x, u1 = (to.x - low.x) / size.x;
       list->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), from, to, {u0, 1.0f},
@@ -302,7 +309,7 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   const bool hovered = ImGui::IsItemHovered();
   const Projection projection(state.camera, *frame, low, size);
   list->PushClipRect(low, high, true);
-  const bool taken = paint_->use(state, *frame, projection, hovered);
+  const bool taken = paint_->use(state, *frame, projection, penOf(state, low, size, hovered));
   paint_->drawGuides(state, *frame, projection);
   list->PopClipRect();
   if (!taken || ImGui::GetIO().KeyAlt || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
@@ -310,6 +317,20 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
     moveCamera(state, size, hovered);
   drawLabels(state, low, high);
   drawHint(state, low, high);
+}
+
+Pen Viewport::penOf(const State& state, ImVec2 low, ImVec2 size, bool hovered) {
+  if (!state.cursor)
+    return {ImGui::GetIO().MousePos, hovered, ImGui::IsMouseClicked(ImGuiMouseButton_Left),
+            ImGui::IsMouseDown(ImGuiMouseButton_Left)};
+  const ImVec2 at = {low.x + size.x * state.cursor->x, low.y + size.y * state.cursor->y};
+  const bool before = std::exchange(pen_down_, state.cursor_down);
+  // Seen off the surface, too.
+  const float arm = 0.5f * em();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddLine({at.x - arm, at.y}, {at.x + arm, at.y}, Colors::kAccent, 1.5f);
+  list->AddLine({at.x, at.y - arm}, {at.x, at.y + arm}, Colors::kAccent, 1.5f);
+  return {at, true, state.cursor_down && !before, state.cursor_down};
 }
 
 // Before there is anything to look at.
@@ -337,23 +358,28 @@ void Viewport::drawCooking(const State& state, ImVec2 low, ImVec2 high) const {
 void Viewport::drawHint(const State& state, ImVec2 low, ImVec2 high) const {
   constexpr const char* kBrush = "Alt + drag: orbit     [ ]: brush size     X: mirror     Q: done";
   std::string text;
-  switch (state.tool) {
-    case Tool::kLook:
-      text = "Drag: orbit     Shift + drag: pan     Wheel: zoom     Right drag: turn lights     F1: all keys";
-      break;
-    case Tool::kBias:
-      text = std::string("Drag: paint wrinkles at rest     Ctrl + drag: erase     ") + kBrush;
-      break;
-    case Tool::kMask:
-      text = std::string("Drag: paint where the layer reaches     Ctrl + drag: erase     ") + kBrush;
-      break;
-    case Tool::kComb:
-      text = std::string("Drag: stroke along the creases     Ctrl + drag: erase     ") + kBrush;
-      break;
-    case Tool::kGuide:
-      text = "Drag: draw along a crease     Ctrl + click: remove a curve     Alt + drag: orbit     Q: done";
-      break;
-  }
+  if (state.cursor)
+    text =
+        "Arrows: move the brush     Space: down, up     E: erase     [ ]: brush size     C: by mouse again";
+  else
+    switch (state.tool) {
+      case Tool::kLook:
+        text =
+            "Drag: orbit     Shift + drag: pan     Wheel: zoom     Right drag: turn lights     F1: all keys";
+        break;
+      case Tool::kBias:
+        text = std::string("Drag: paint wrinkles at rest     Ctrl + drag: erase     ") + kBrush;
+        break;
+      case Tool::kMask:
+        text = std::string("Drag: paint where the layer reaches     Ctrl + drag: erase     ") + kBrush;
+        break;
+      case Tool::kComb:
+        text = std::string("Drag: stroke along the creases     Ctrl + drag: erase     ") + kBrush;
+        break;
+      case Tool::kGuide:
+        text = "Drag: draw along a crease     Ctrl + click: remove a curve     Alt + drag: orbit     Q: done";
+        break;
+    }
   const float size = 0.87f * em(), pad = 0.7f * em();
   const float width = ImGui::GetFont()->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
   if (width + 2.0f * pad > high.x - low.x) return;

@@ -15,11 +15,11 @@ namespace furrow::editor::ui {
 // Draws one side, and only when something that it shows has changed.
 class Pane {
  public:
-  // The texture (bottom row first) of `look` at this size, or 0 and why in `drawn`. `values`: as
-  // RenderOptions has them; another `stroke` number says that they changed.
+  // The texture (bottom row first) of `look` at this size, or 0 and why in `drawn`. `paint`: what is being
+  // painted, or null.
   uint32_t draw(const State& state, const std::shared_ptr<Shown>& shown, const preview::PosedFrame& frame,
-                const Look& look, uint32_t width, uint32_t height, std::span<const float> values,
-                uint64_t stroke, Drawn& drawn);
+                const Look& look, uint32_t width, uint32_t height, const class PaintTool* paint,
+                Drawn& drawn);
   // A picture of another size, read back. Throws pipeline::Error.
   pipeline::Image picture(const State& state, const std::shared_ptr<Shown>& shown,
                           const preview::PosedFrame& frame, const Look& look, uint32_t width,
@@ -75,7 +75,10 @@ class Viewport {
   void drawLegend(const State& state, const Look& look, ImVec2 at) const;
   void fit(State& state, const preview::PosedFrame& frame, std::span<const Float3> positions);
 
+  struct Pen penOf(const State& state, ImVec2 low, ImVec2 size, bool hovered);
+
   Pane panes_[2];
+  bool pen_down_ = false;  // that the keyboard moves, in the last frame
   float aspect_ = 1.0f;
   std::unique_ptr<class PaintTool> paint_;
 

@@ -179,7 +179,7 @@ void runWindow(const Options& options, Settings& settings) {
   rescale();
   glfwSetWindowUserPointer(window.handle(), &editor);
   glfwSetDropCallback(window.handle(), [](GLFWwindow* dropped, int count, const char** files) {
-    if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->open(files[0]);
+    if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->drop(files[0]);
   });
   start(editor, session, options);
 

@@ -48,13 +48,19 @@ class EditorTest : public ToolTest {
     EXPECT_EQ(outcome.err, "");
   }
   Image picture(const std::string& name) const { return pipeline::readImage(output() / (name + ".png")); }
-  // The part that the renderer draws.
+  // What the renderer draws, below the labels.
   Image view(const std::string& name) const {
     const Image whole = picture(name);
     Image part{320, 400, 4, {}};
     for (uint32_t y = 0; y < part.height; ++y)
-      part.pixels.insert(part.pixels.end(), whole.at(352, 100 + y), whole.at(352 + part.width, 100 + y));
+      part.pixels.insert(part.pixels.end(), whole.at(352, 130 + y), whole.at(352 + part.width, 130 + y));
     return part;
+  }
+  // "@/" stands for the folder of the files.
+  void expectPlaysInFolder(std::string script) const {
+    for (size_t at = script.find("@/"); at != std::string::npos; at = script.find("@/", at))
+      script.replace(at, 1, folder().string());
+    expectPlays(script);
   }
   std::string sheet() const { return "open " + (folder() / "sheet.glb").string() + "\nwait\n"; }
 
@@ -223,6 +229,244 @@ expect no error
   EXPECT_NE(text.find("sheet_lines_mask.png"), std::string::npos) << text;
   const Image mask = pipeline::readImage(folder() / "sheet_lines_mask.png");
   EXPECT_EQ(mask.channels, 1u);
+}
+
+// Largest difference of a block in what the renderer draws.
+#define VIEWS_DIFFER(a, b) difference(view(a), view(b), kBlock).worst_block
+
+TEST_F(EditorTest, TheCameraOrbitsPansZoomsAndFrames) {
+  expectPlays(sheet() + R"(
+hold Ctrl
+release
+picture start
+drag viewport 0.5 0.5 0.6 0.45
+picture orbited
+drag viewport 0.6 0.45 0.5 0.5
+picture orbited_back
+drag viewport 0.5 0.5 0.6 0.45
+key T
+picture front
+hold Shift
+drag viewport 0.4 0.4 0.4 0.5
+release
+picture panned
+drag viewport 0.4 0.5 0.4 0.4 middle
+picture panned_back
+key Shift+Left
+key Shift+Right
+picture panned_by_keys
+wheel viewport 3
+picture near
+key -
+key -
+picture farther
+key A
+picture framed
+key Left
+key Right
+key Up
+key Down
+picture keys_back
+drag viewport 0.5 0.5 0.7 0.5 right
+picture lights
+key Shift+L
+picture lights_back
+click tool.tool.mask
+drag viewport 0.3 0.3 0.35 0.3
+wait
+key Q
+key F
+picture framed_layer
+)");
+  constexpr double kSame = 1.0, kOther = 8.0;
+  EXPECT_GT(VIEWS_DIFFER("start", "orbited"), kOther);
+  EXPECT_LT(VIEWS_DIFFER("start", "orbited_back"), kSame);
+  EXPECT_LT(VIEWS_DIFFER("start", "front"), kSame);
+  EXPECT_LT(VIEWS_DIFFER("start", "panned_back"), kSame);
+  EXPECT_LT(VIEWS_DIFFER("start", "panned_by_keys"), kSame);
+  EXPECT_GT(VIEWS_DIFFER("start", "near"), kOther);
+  EXPECT_LT(VIEWS_DIFFER("start", "framed"), kSame);
+  EXPECT_LT(VIEWS_DIFFER("start", "keys_back"), kSame);
+  EXPECT_GT(VIEWS_DIFFER("start", "lights"), 2.0);
+  EXPECT_LT(VIEWS_DIFFER("start", "lights_back"), kSame);
+  EXPECT_GT(VIEWS_DIFFER("start", "framed_layer"), kOther);
+  // The surface goes where the pointer goes: the sheet's upper edge by a tenth of the view's height.
+  const auto upperEdge = [&](const char* name) {
+    const Image shown = view(name);
+    uint32_t y = 0;
+    while (y < shown.height && shown.at(150, y)[0] < 0.4f) ++y;
+    return static_cast<double>(y);
+  };
+  const double height = 484.0;  // of the view in a window of 1024 x 640
+  EXPECT_NEAR(upperEdge("panned") - upperEdge("start"), 0.1 * height, 6.0);
+}
+
+TEST_F(EditorTest, TheSplitScreenComparesMethodsTiersRecipesAndFiles) {
+  const fs::path bare =
+      write("bare.json", R"({"mapSize": 128, "layers": [{"name": "lines", "compress": "none"}]})");
+  const Outcome cooked =
+      run({"cook", folder() / "sheet.glb", "--recipe", bare, "-o", folder() / "bare.furrow", "--quiet"});
+  ASSERT_EQ(cooked.status, 0) << cooked.err;
+  const auto compare = [](const std::string& file) {
+    return "click menu.View\nclick view.compare\nkey Ctrl+A\ntype " + file + "\nkey Enter\nwait\n";
+  };
+  expectPlays(sheet() + R"(
+drag morph.squeeze 0.05 0.5 0.95 0.5
+picture wrinkled
+key W
+drag divider 0.5 0.5 -30 0.5
+picture plain
+click look2.shading
+click "look2.shading.Interpolated bump"
+picture same_method
+click look2.tier
+click look2.tier.gpu
+picture other_tier
+key Ctrl+Right
+picture moved
+)" + compare("bare.json") +
+              "picture recipe\n" + compare("bare.furrow") + R"(picture asset
+click look2.compared
+expect no error
+)");
+  EXPECT_LT(VIEWS_DIFFER("wrinkled", "same_method"), 6.0);  // but for the divider
+  EXPECT_LT(VIEWS_DIFFER("same_method", "other_tier"), 1.0);
+  const auto wrinkles = [&](const char* name) {
+    // Away from labels and divider.
+    const Image shown = view(name);
+    double sum = 0.0;
+    for (uint32_t y = 150; y < 300; ++y)
+      for (uint32_t x = 120; x < 220; ++x) sum += std::abs(shown.at(x, y)[0] - shown.at(x + 1, y)[0]);
+    return sum;
+  };
+  EXPECT_GT(wrinkles("wrinkled"), 4.0 * wrinkles("plain"));
+  EXPECT_GT(wrinkles("same_method"), 4.0 * wrinkles("plain"));
+  EXPECT_LT(wrinkles("recipe"), 1.5 * wrinkles("plain"));
+  EXPECT_LT(wrinkles("asset"), 1.5 * wrinkles("plain"));
+}
+
+TEST_F(EditorTest, FilesAreDroppedTakesPlayedAndRecentOnesOpenedAgain) {
+  write("other.glb", editorSheet());
+  write("take.csv", "Timecode,BlendshapeCount,Squeeze\n00:00:00:00,1,0\n00:00:00:29,1,1\n00:00:01:00,1,1\n");
+  expectPlaysInFolder(sheet() + R"~(
+drop @/other.glb
+wait
+drop @/sheet.glb
+wait
+expect layers lines other
+click timeline.clip
+click "timeline.clip.(no clip)"
+picture rest
+drop @/take.csv
+drag timeline.time 0.01 0.5 0.999 0.5
+picture taken
+drag morph.squeeze 0.05 0.5 1.2 0.5
+picture held
+click timeline.take
+expect no error
+drop @/other.glb
+wait
+expect layers wrinkles
+drag layer.beta 0.4 0.5 0.7 0.5
+drop @/sheet.glb
+expect widget leave.save
+click leave.cancel
+key Ctrl+Z
+click menu.File
+click file.recent
+click file.recent.1
+wait
+expect layers lines other
+drop @/nothing.glb
+expect message "nothing.glb: there is no such file"
+)~");
+  EXPECT_GT(VIEWS_DIFFER("rest", "taken"), 8.0);
+  EXPECT_LT(VIEWS_DIFFER("held", "taken"), 2.0);
+}
+
+TEST_F(EditorTest, TheFirstStartOpensASample) {
+  const fs::path cache = folder() / "cache", samples = cache / "furrow" / "samples-" FURROW_VERSION;
+  fs::create_directories(samples);
+  fs::copy_file(folder() / "sheet.glb", samples / "face.glb");
+  ASSERT_EQ(setenv("XDG_CACHE_HOME", cache.c_str(), 1), 0);
+  expectPlays("frames 2\npicture first_start\nclick first.face\nwait\nexpect layers wrinkles\n");
+  unsetenv("XDG_CACHE_HOME");
+  expectStored("first_start");
+}
+
+TEST_F(EditorTest, LayersAreDraggedIntoAnotherOrder) {
+  expectPlays(sheet() + R"(
+click layer.add
+expect layers lines other wrinkles
+drag layer.select.lines 0.5 0.5 0.5 2.5
+expect layers other wrinkles lines
+key Ctrl+Z
+expect layers lines other wrinkles
+drag layer.select.wrinkles 0.5 0.5 0.5 -0.6
+expect layers lines wrinkles other
+wait
+expect no error
+)");
+}
+
+TEST_F(EditorTest, ImagesAreChosenForMapsMasksAndBias) {
+  Image normals{64, 64, 3, {}}, heights{64, 64, 1, {}};
+  for (uint32_t y = 0; y < 64; ++y)
+    for (uint32_t x = 0; x < 64; ++x) {
+      const float slope = 0.5f * std::sin(static_cast<float>(x) * 0.8f);
+      normals.pixels.insert(normals.pixels.end(), {0.5f + 0.5f * slope, 0.5f, 0.95f});
+      heights.pixels.push_back(0.5f + 0.5f * std::cos(static_cast<float>(x) * 0.8f));
+    }
+  pipeline::writeImage(folder() / "normals.png", normals);
+  pipeline::writeImage(folder() / "heights.png", heights);
+  expectPlays(sheet() + R"~(
+click section.response
+click section.direction
+click layer.bias
+type heights.png
+key Enter
+click layer.bias.clear
+click section.reach
+click compress.kind
+click "compress.kind.Normal map"
+type normals.png
+key Enter
+wait
+click compress.green
+click "compress.green.Down (DirectX)"
+click compress.shading
+type heights.png
+key Enter
+wait
+expect no error
+click section.compress
+click section.stretch
+click stretch.kind
+click "stretch.kind.Height map"
+type heights.png
+key Enter
+wait
+drag morph.squeeze 0.05 0.5 0.95 0.5
+picture authored
+key Ctrl+S
+expect saved
+expect no error
+)~");
+  const std::string text = readText(folder() / "sheet.json");
+  for (const char* part : {"\"normals.png\"", "\"heights.png\"", "\"green\"", "\"height\""})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_EQ(text.find("\"bias\""), std::string::npos) << text;
+}
+
+TEST_F(EditorTest, TheBrushCanBeMovedByKeysAndTheLitSurfaceFollowsIt) {
+  std::string right;
+  for (int i = 0; i < 12; ++i) right += "key Right\n";
+  expectPlays(sheet() + "key B\nkey 1\npicture before\nkey C\nkey Up\nkey Space\n" + right +
+              "picture during\nkey Space\nexpect dirty\nwait\nkey C\npicture after\n"
+              "key Ctrl+S\nexpect saved\nexpect no error\n");
+  EXPECT_TRUE(fs::exists(folder() / "sheet_lines_bias.png"));
+  EXPECT_GT(VIEWS_DIFFER("before", "during"), 4.0);
+  EXPECT_GT(VIEWS_DIFFER("before", "after"), 4.0);
 }
 
 TEST_F(EditorTest, EveryScaleOfTheScreenWorks) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "editor/session/paint.h"
+#include "editor/session/samples.h"
 #include "editor/session/settings.h"
 #include "furrow/jobs.h"
 #include "pipeline/error.h"
@@ -88,6 +89,53 @@ TEST(DocumentTest, UndoAndRedoGoThroughEveryEditAndKnowWhatIsSaved) {
   EXPECT_EQ(document.redoName(), "");
   document.undo();
   EXPECT_EQ(beta(), 6.0f);
+}
+
+// 200 strokes on a large image fit in memory.
+TEST(DocumentTest, UndoOfPaintingGoesBackToTheVeryPixelsAndKeepsOnlyWhatChanged) {
+  constexpr uint32_t kSide = 200, kStrokes = 40;  // not a multiple of the tiles
+  const fs::path file = "/nowhere/r_bias.png";
+  std::vector<std::vector<uint8_t>> states;
+  Document document({pipeline::defaultRecipe(), {}}, "/nowhere/r.json", true);
+  auto image = std::make_shared<pipeline::ByteImage>(
+      pipeline::ByteImage{kSide, kSide, 2, std::vector<uint8_t>(2 * kSide * kSide, 128)});
+  for (uint32_t i = 0; i <= kStrokes; ++i) {
+    if (i > 0) {
+      image = std::make_shared<pipeline::ByteImage>(*image);
+      for (uint32_t y = 0; y < 20; ++y)
+        for (uint32_t x = 0; x < 40; ++x)
+          image->pixels[2 * ((37 * i + y) % kSide * kSide + (53 * i) % (kSide - 20)) + x] =
+              static_cast<uint8_t>(i + x);
+    }
+    Content next = document.content();
+    next.images[file] = image;
+    document.apply(std::move(next), "Paint bias");
+    document.endGesture();
+    states.push_back(image->pixels);
+  }
+  // A stroke of 20 x 20 texels touches at most 4 tiles of 64 x 64.
+  EXPECT_LE(document.historyBytes(), size_t{kStrokes} * 4 * 64 * 64 * 2);
+  EXPECT_LT(document.historyBytes(), size_t{kStrokes} * image->pixels.size() / 3);
+  const auto pixels = [&] { return document.content().images.at(file)->pixels; };
+  for (uint32_t i = kStrokes; i-- > 0;) {
+    document.undo();
+    ASSERT_EQ(pixels(), states[i]) << i;
+  }
+  document.undo();
+  EXPECT_TRUE(document.content().images.empty());
+  EXPECT_FALSE(document.dirty());
+  for (uint32_t i = 0; i <= kStrokes; ++i) {
+    document.redo();
+    ASSERT_EQ(pixels(), states[i]) << i;
+  }
+  // An image of another size comes back whole.
+  Content next = document.content();
+  next.images[file] = std::make_shared<pipeline::ByteImage>(pipeline::ByteImage{1, 1, 1, {7}});
+  document.apply(std::move(next), "Paint bias");
+  document.undo();
+  EXPECT_EQ(pixels(), states.back());
+  document.redo();
+  EXPECT_EQ(pixels(), std::vector<uint8_t>{7});
 }
 
 TEST_F(SessionTest, SavingWritesRecipeAndImagesThatReadBackAsTheSame) {
@@ -418,6 +466,41 @@ TEST_F(PaintedSheet, PlayingLoopsOrStopsAndHeldSlidersWin) {
   player.advance(rig, 5.0);
   EXPECT_EQ(player.time, 1.0);
   EXPECT_FALSE(player.playing);
+}
+
+TEST_F(SessionTest, SamplesAreMadeInTheBackgroundWholeOrNotAtAll) {
+  const fs::path program =
+      write("content.sh", "#!/bin/sh\nfor f in face jacket; do echo $f > \"$1/$f.glb\"; done\n");
+  fs::permissions(program, fs::perms::owner_all);
+  const auto answer = [](Samples& samples) {
+    for (int i = 0; i < 1000; ++i) {
+      if (std::optional<Samples::Result> result = samples.take()) return *result;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return Samples::Result{{}, "no answer"};
+  };
+  Samples samples(program, folder() / "cache" / "samples");
+  EXPECT_FALSE(samples.take());
+  samples.ask("face");
+  EXPECT_TRUE(samples.making());
+  EXPECT_EQ(answer(samples).file, folder() / "cache" / "samples" / "face.glb");
+  EXPECT_FALSE(samples.making());
+  EXPECT_FALSE(samples.take());
+  samples.ask("jacket");  // is there already
+  EXPECT_FALSE(samples.making());
+  EXPECT_EQ(answer(samples).error, "");
+
+  // A program that fails half-way leaves nothing.
+  const fs::path bad = write("bad.sh", "#!/bin/sh\necho half > \"$1/face.glb\"\nexit 1\n");
+  fs::permissions(bad, fs::perms::owner_all);
+  Samples none(bad, folder() / "none");
+  none.ask("face");
+  EXPECT_NE(answer(none).error.find("bad.sh: the samples cannot be made"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder() / "none"));
+  EXPECT_FALSE(fs::exists(folder() / "none.new"));
+  Samples missing(folder() / "missing", folder() / "none");
+  missing.ask("face");
+  EXPECT_NE(answer(missing).error.find("put furrow_content beside the editor"), std::string::npos);
 }
 
 TEST_F(SessionTest, SettingsComeBackAndDamagedOnesAreTheDefaults) {

@@ -256,7 +256,7 @@ TEST_F(RendererTest, ValuesThatArePaintedShowInPlaceOfTheAssets) {
     std::vector<float> values(ball.view().vertexCount());
     for (size_t v = 0; v < values.size(); ++v) values[v] = ball.view().positions[v].y > 0.0f ? 1.0f : 0.0f;
     const Image stored = render(renderer, options);
-    options.values = values;
+    (view == View::kMask ? options.mask : options.bias) = values;
     const Image painted = render(renderer, options);
     EXPECT_GT(largestDifference(stored, painted), 0.2f);
     const auto red = [&](const Image& image, float y) {
@@ -264,6 +264,35 @@ TEST_F(RendererTest, ValuesThatArePaintedShowInPlaceOfTheAssets) {
     };
     EXPECT_GT(red(painted, 0.3f), red(painted, 0.7f) + 0.1f);
   }
+}
+
+TEST_F(RendererTest, PaintedMaskAndBiasReachTheLitSurface) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const Layer& layer = ball.view().layers[1];
+  RenderOptions options = optionsFor(View::kBeauty);
+  options.tier = preview::Tier::kCpu;
+  options.layer = 1;
+  const Image stored = render(renderer, options);
+
+  // What the asset has, painted, is the same picture; anything else is another one.
+  std::vector<float> bias(ball.view().vertexCount(), 0.0f), mask(bias.size(), 1.0f);
+  for (size_t v = 0; v < layer.bias.size(); ++v) bias[v] = static_cast<float>(layer.bias[v]) / 32767.0f;
+  for (size_t v = 0; v < layer.mask.size(); ++v) mask[v] = static_cast<float>(layer.mask[v]) / 255.0f;
+  options.bias = bias;
+  EXPECT_LE(largestDifference(stored, render(renderer, options)), 0.005f);
+  options.mask = mask;
+  EXPECT_LE(largestDifference(stored, render(renderer, options)), 0.05f);
+  const std::vector<float> nothing(bias.size(), 0.0f), all(bias.size(), 1.0f);
+  options.bias = all;
+  const Image creased = render(renderer, options);
+  EXPECT_GT(largestDifference(stored, creased), 0.1f);
+  options.mask = nothing;
+  EXPECT_GT(largestDifference(creased, render(renderer, options)), 0.1f);
+
+  // And it does not stay.
+  options.mask = options.bias = {};
+  EXPECT_EQ(largestDifference(stored, render(renderer, options)), 0.0f);
 }
 
 TEST_F(RendererTest, MorphViewLightsUpWhatTheMorphMoves) {

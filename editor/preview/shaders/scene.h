@@ -44,7 +44,7 @@ FURROW_BLOCK(Scene) {
   vec4 size;       // picture in pixels; z: stroke length in world units, w: stroke width in pixels
   uint layer;
   uint layers;
-  uint given_values;  // the views mask and bias show the vertices' values
+  uint given_values;  // the view mask shows the vertices' values
   uint pad0;
 }
 FURROW_INSTANCE(scene);
