@@ -7,8 +7,9 @@
 
 namespace furrow::pipeline {
 
-std::vector<ManifestAsset> readManifest(const std::filesystem::path& file) {
-  const nlohmann::json json = readJson(file, manifestShape(), "manifest").value;
+namespace {
+
+std::vector<ManifestAsset> assetsOf(const nlohmann::json& json, const std::filesystem::path& file) {
   std::vector<ManifestAsset> assets;
   std::map<std::filesystem::path, std::string> inputs, outputs;  // where each stands
   for (const nlohmann::json& entry : json["assets"]) {
@@ -19,6 +20,8 @@ std::vector<ManifestAsset> readManifest(const std::filesystem::path& file) {
     const auto path = [&](const char* key) -> std::filesystem::path {
       if (!entry.contains(key)) return {};
       const auto text = entry[key].get<std::string>();
+      if (text.find('\0') != std::string::npos)
+        fail(std::string(".") + key + ": has a zero byte", "give the path of a file");
       return (file.parent_path() / std::u8string(text.begin(), text.end())).lexically_normal();
     };
     ManifestAsset asset;
@@ -40,6 +43,16 @@ std::vector<ManifestAsset> readManifest(const std::filesystem::path& file) {
       throw Error(Exit::kBadData, file.string(), at + ".output: is an input of " + input->second,
                   "give each asset a file of its own");
   return assets;
+}
+
+}  // namespace
+
+std::vector<ManifestAsset> readManifest(const std::filesystem::path& file) {
+  return assetsOf(readJson(file, manifestShape(), "manifest").value, file);
+}
+
+std::vector<ManifestAsset> parseManifest(const std::string& text, const std::filesystem::path& file) {
+  return assetsOf(parseJson(text, file, manifestShape(), "manifest").value, file);
 }
 
 }  // namespace furrow::pipeline

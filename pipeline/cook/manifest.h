@@ -20,4 +20,7 @@ struct ManifestAsset {
 // or an input of any. Whether the inputs exist is not looked at.
 std::vector<ManifestAsset> readManifest(const std::filesystem::path& file);
 
+// The same of a text that is in memory, as if it stood in `file`.
+std::vector<ManifestAsset> parseManifest(const std::string& text, const std::filesystem::path& file);
+
 }  // namespace furrow::pipeline

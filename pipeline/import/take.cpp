@@ -28,9 +28,7 @@ std::string inQuotes(std::string_view text) {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file) {
-    const std::vector<uint8_t> bytes = readBytes(file);
-    text_.assign(bytes.begin(), bytes.end());
+  Reader(std::string text, const std::filesystem::path& file) : file_(file), text_(std::move(text)) {
     if (text_.starts_with("\xef\xbb\xbf")) next_ = 3;
   }
 
@@ -168,7 +166,12 @@ std::vector<float> Take::at(double time) const {
 }
 
 Take readTake(const std::filesystem::path& file) {
-  return Reader(file).read();
+  const std::vector<uint8_t> bytes = readBytes(file);
+  return parseTake({bytes.begin(), bytes.end()}, file);
+}
+
+Take parseTake(std::string text, const std::filesystem::path& file) {
+  return Reader(std::move(text), file).read();
 }
 
 }  // namespace furrow::pipeline

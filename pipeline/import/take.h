@@ -23,4 +23,7 @@ struct Take {
 // kBadData with the line at fault.
 Take readTake(const std::filesystem::path& file);
 
+// The same of a text that is in memory, as if it stood in `file`.
+Take parseTake(std::string text, const std::filesystem::path& file);
+
 }  // namespace furrow::pipeline

@@ -227,6 +227,7 @@ TEST_F(Manifest, ABadManifestSaysWhatIsWrong) {
   refused(R"([{"output": "one.furrow"}])", "assets[0] has no source: give \"source\", \"sequence\" or both");
   refused(R"([{"source": "one.obj", "outptu": "a"}])",
           "assets[0].outptu: no such key: did you mean \"output\"?");
+  refused(R"([{"source": "one.obj\u0000", "output": "a"}])", "assets[0].source: has a zero byte: ");
   refused(R"([{"source": "one.obj", "fps": 3, "output": "a"}])", "assets[0].fps: does not go with");
   refused(R"([{"source": "one.obj", "output": "a", "geometry": "rwa"}])",
           "assets[0].geometry: is \"rwa\": give");

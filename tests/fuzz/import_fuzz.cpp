@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -6,6 +7,7 @@
 
 #include "pipeline/cook/cook.h"
 #include "pipeline/error.h"
+#include "pipeline/import/formats.h"
 #include "pipeline/import/import.h"
 
 namespace {
@@ -58,10 +60,18 @@ bool small(const SourceScene& scene) {
 }  // namespace
 
 // Any bytes: they are refused with an Error, or make a sound scene; a small one is then cooked without maps,
-// or refused in the same way.
+// or refused in the same way. As a frame of a sequence they are refused, or make sound polygons.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   // OBJ is told by its extension alone, and STL text only where there is no other.
   const bool solid = std::string_view(reinterpret_cast<const char*>(data), size).starts_with("solid");
+  try {
+    const Polygons polygons =
+        polygonsOf(solid ? MeshFormat::kStlText : MeshFormat::kObj, {data, data + size});
+    for (const uint32_t corner : polygons.corners) require(corner < polygons.positions.size());
+    require(std::ranges::is_sorted(polygons.ends) &&
+            (polygons.ends.empty() ? 0 : polygons.ends.back()) == polygons.corners.size());
+  } catch (const std::exception&) {
+  }
   try {
     SourceScene scene = importBytes(solid ? "fuzz.stl" : "fuzz.obj", {data, data + size});
     for (const Primitive& primitive : scene.primitives) checkPrimitive(primitive);
