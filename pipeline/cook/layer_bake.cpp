@@ -95,10 +95,10 @@ class LayerBake {
     }
   }
 
-  // A value of an attribute for every vertex of the covered parts; the others get `outside`.
+  // A value of an attribute for every vertex of the covered parts; those that lack it get `otherwise`.
   std::vector<glm::vec4> attribute(const std::string& name, uint32_t least_components,
-                                   glm::vec4 outside) const {
-    std::vector<glm::vec4> values(in_.surface.positions.size(), outside);
+                                   glm::vec4 otherwise) const {
+    std::vector<glm::vec4> values(in_.surface.positions.size(), otherwise);
     bool found = false;
     std::set<std::string> known;
     for (size_t i = 0; i < in_.surface.parts.size(); ++i) {
@@ -123,11 +123,15 @@ class LayerBake {
     return values;
   }
 
+  // Over a point's vertices in the covered parts; 0 where it has none.
   std::vector<float> pointMean(const std::vector<float>& vertex_values) const {
     std::vector<float> mean(points(), 0.0f), count(points(), 0.0f);
-    for (size_t v = 0; v < vertex_values.size(); ++v) {
-      mean[in_.surface.vertex_point[v]] += vertex_values[v];
-      count[in_.surface.vertex_point[v]] += 1.0f;
+    for (size_t i = 0; i < in_.surface.parts.size(); ++i) {
+      const SurfacePart& span = in_.surface.parts[i];
+      for (uint32_t v = span.vertex_begin; covered_part_[i] && v < span.vertex_end; ++v) {
+        mean[in_.surface.vertex_point[v]] += vertex_values[v];
+        count[in_.surface.vertex_point[v]] += 1.0f;
+      }
     }
     for (size_t p = 0; p < points(); ++p) mean[p] /= std::max(count[p], 1.0f);
     return mean;
@@ -296,7 +300,7 @@ class LayerBake {
     out_.bias = pointMean(values);
   }
 
-  // Of every vertex; `neutral` where the layer does not reach.
+  // Of every vertex of the covered parts; `neutral` where there is nothing to be read.
   std::vector<float> biasChannel(const Bias& bias, float neutral) const {
     std::vector<float> values(in_.surface.positions.size(), neutral);
     if (bias.texture.empty()) {

@@ -563,5 +563,34 @@ TEST(KnownAnswers, NoCrackBetweenTheMaterialsOfAMesh) {
   }
 }
 
+// What a layer is painted with counts on its own parts, and up to their border.
+TEST(KnownAnswers, MasksAndBiasesReachTheBorderOfTheirMaterial) {
+  SourceScene scene = sceneOf(sheet(8), [](glm::dvec3 p) { return p; });
+  pipeline::Attribute paint{"_PAINT", 2, {}};
+  for (const glm::vec3& p : scene.primitives[0].positions)
+    paint.values.insert(paint.values.end(), {0.2f + 0.6f * p.y, 0.9f});
+  scene.primitives[0].attributes.push_back(paint);
+  scene.primitives.push_back(scene.primitives[0]);
+  for (glm::vec3& p : scene.primitives[1].positions) p.x += 1.0f;
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].primitive = 1;
+  scene.materials = {{"skin"}, {"lips"}};
+  scene.parts[0].material = 0;
+  scene.parts[1].material = 1;
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.materials = {"skin"};
+  layer.mask = pipeline::MaskAttribute{"_PAINT", 0};
+  layer.bias = pipeline::Bias{"_PAINT", 1, 0.5};
+  const Asset asset = cookAsset(scene, recipeOf({layer}));
+  const AssetView& view = asset.view();
+  ASSERT_EQ(view.pointCount(), 9u * 17u);
+  for (uint32_t v = 0; v < view.vertexCount(); ++v) {
+    const Float3 p = view.positions[v];
+    const bool within = p.x < 1.01f;
+    EXPECT_NEAR(view.layers[0].mask[v] / 255.0f, within ? 0.2f + 0.6f * p.y : 0.0f, 0.003f) << p.x;
+    EXPECT_NEAR(view.layers[0].bias[v] / 32767.0f, within ? 0.8f : 0.0f, 1e-4f) << p.x;
+  }
+}
+
 }  // namespace
 }  // namespace furrow::tests
