@@ -82,7 +82,8 @@ class Cook {
     reportConfidence(squeeze, layers);
     for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
-    std::vector<BakedTextureSet> sets = bakeMaps(input, recipe_, layers, options_.threads, dependencies_);
+    std::vector<BakedTextureSet> sets =
+        bakeMaps(input, recipe_, layers, options_.threads, dependencies_, report_.warnings);
     for (uint32_t s = 0; s < sets.size(); ++s)
       for (uint32_t part : sets[s].parts) parts_[part].texture_set = s;
 

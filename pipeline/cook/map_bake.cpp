@@ -21,6 +21,8 @@ namespace {
 
 constexpr double kTexelsASpacing = 12.0;
 constexpr uint32_t kOverlapSize = 256;
+// Of the area of all charts, what may lie on others unsaid.
+constexpr double kMostShared = 0.05;
 constexpr uint32_t kSizeStep = 64, kMostSize = 2048, kDerivedMaskSize = 512;
 constexpr uint32_t kWindowMargin =
     2;  // mask texels; bilinear filtering reads one further than the mask reaches
@@ -67,8 +69,14 @@ Run usedRun(const std::vector<bool>& used) {
 class MapBake {
  public:
   MapBake(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers,
-          uint32_t threads, std::vector<std::filesystem::path>& dependencies)
-      : in_(input), recipe_(recipe), layers_(layers), threads_(threads), dependencies_(dependencies) {}
+          uint32_t threads, std::vector<std::filesystem::path>& dependencies,
+          std::vector<std::string>& warnings)
+      : in_(input),
+        recipe_(recipe),
+        layers_(layers),
+        threads_(threads),
+        dependencies_(dependencies),
+        warnings_(warnings) {}
 
   std::vector<BakedTextureSet> bake() {
     std::map<uint32_t, BakedTextureSet>
@@ -103,9 +111,15 @@ class MapBake {
     std::vector<bool> texels(size_t{kOverlapSize} * kOverlapSize);
     const TexelMap map = mapTexels(in_.surface, set.parts, {kOverlapSize, kOverlapSize}, 0);
     for (size_t i = 0; i < texels.size(); ++i) texels[i] = map.triangle[i] != kNoIndex;
-    const double length = lengthOfUv(set);
+    const double covered = static_cast<double>(std::count(texels.begin(), texels.end(), true));
+    const auto [length, area] = sizeOfUvs(set);
+    const double shared = 1.0 - covered / (area * kOverlapSize * kOverlapSize);
+    if (shared > kMostShared)
+      warnings_.push_back("the UVs of " + (set.name.empty() ? "a mesh" : "material \"" + set.name + "\"") +
+                          " overlap: " + std::to_string(static_cast<int>(100.0 * shared)) +
+                          "% of them show the wrinkles of another place; unwrap them apart");
     for (size_t s = 0; s < sets.size(); ++s) {
-      const double other = lengthOfUv(sets[s]);
+      const double other = sizeOfUvs(sets[s]).length;
       if (length > 1.5 * other || other > 1.5 * length) continue;
       size_t overlap = 0;
       for (size_t i = 0; i < texels.size(); ++i) overlap += texels[i] && taken_[s][i];
@@ -175,8 +189,11 @@ class MapBake {
     return false;
   }
 
-  // Root-space length of one unit of UV.
-  double lengthOfUv(const BakedTextureSet& set) const {
+  struct UvSize {
+    double length = 0.0;  // of one unit of UV in root space
+    double area = 0.0;    // of all triangles together, in UV
+  };
+  UvSize sizeOfUvs(const BakedTextureSet& set) const {
     double area = 0.0, uv_area = 0.0;
     for (uint32_t part : set.parts)
       for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end;
@@ -189,7 +206,7 @@ class MapBake {
                          f = glm::dvec2(in_.surface.uvs[v.z]) - s;
         uv_area += std::abs(e.x * f.y - e.y * f.x);
       }
-    return uv_area > 0.0 ? std::sqrt(area / uv_area) : 0.0;
+    return {uv_area > 0.0 ? std::sqrt(area / uv_area) : 0.0, 0.5 * uv_area};
   }
 
   const ByteImage* maskImage(size_t layer) const {
@@ -333,7 +350,7 @@ class MapBake {
     set.compress_slice.assign(layers_.size(), kAbsent);
     set.stretch_slice.assign(layers_.size(), kAbsent);
     const Masks masks = drawMasks(set);
-    const double length_of_uv = lengthOfUv(set);
+    const double length_of_uv = sizeOfUvs(set).length;
     std::vector<Pose> poses;
     glm::dvec2 wanted(kSizeStep);
     for (size_t l = 0; l < layers_.size(); ++l) {
@@ -380,6 +397,7 @@ class MapBake {
   const std::vector<BakedLayer>& layers_;
   uint32_t threads_;
   std::vector<std::filesystem::path>& dependencies_;
+  std::vector<std::string>& warnings_;
   std::vector<Source> compress_, stretch_;
   std::vector<float> peaks_;              // a point
   std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
@@ -416,8 +434,9 @@ void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& 
 
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,
-                                      std::vector<std::filesystem::path>& dependencies) {
-  return MapBake(input, recipe, layers, threads, dependencies).bake();
+                                      std::vector<std::filesystem::path>& dependencies,
+                                      std::vector<std::string>& warnings) {
+  return MapBake(input, recipe, layers, threads, dependencies, warnings).bake();
 }
 
 }  // namespace furrow::pipeline

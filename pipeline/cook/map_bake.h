@@ -21,10 +21,11 @@ struct BakedTextureSet {
 void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe);
 
 // Sets for the materials that have UVs and that a layer shows on; materials whose charts share one atlas
-// without overlapping together. The layers' maps are resolved. `dependencies` gains the images read. Throws
-// Error (kBadData) for an image that cannot be used.
+// without overlapping together. The layers' maps are resolved. `dependencies` gains the images read,
+// `warnings` what does not look as it should. Throws Error (kBadData) for an image that cannot be used.
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,
-                                      std::vector<std::filesystem::path>& dependencies);
+                                      std::vector<std::filesystem::path>& dependencies,
+                                      std::vector<std::string>& warnings);
 
 }  // namespace furrow::pipeline

@@ -13,6 +13,7 @@ namespace {
 constexpr double kHalfDiagonal = 0.70711;
 constexpr double kInsideSlack =
     1e-9;  // of barycentric coordinates, so that centres on a shared edge fall into no gap
+constexpr double kBandSlack = 1e-3;  // texels that are looked at beyond those that can pass
 
 using Corners = std::array<glm::dvec2, 3>;  // in texels, centres at integers
 
@@ -33,10 +34,13 @@ class Mapper {
       : surface_(surface),
         grid_(grid),
         period_(grid.width / grid.extent.x, grid.height / grid.extent.y),
-        distance2_(texels(), kFar) {
+        distance2_(texels(), kFar),
+        next_open_(size_t{grid.height} * (grid.width + size_t{1})) {
     map_.grid = grid;
     map_.triangle.assign(texels(), kNoIndex);
     map_.barycentric.assign(texels(), glm::vec2(0.0f));
+    for (size_t i = 0; i < next_open_.size(); ++i)
+      next_open_[i] = static_cast<uint32_t>(i % (grid.width + size_t{1}));
   }
 
   void fill(uint32_t triangle) {
@@ -48,13 +52,17 @@ class Mapper {
     if (area == 0.0) {
       return;
     }
-    visit(c, 0.0, [&](size_t texel, const glm::dvec2& p) {
-      const double b1 = cross(p - c[0], c[2] - c[0]) / area;
-      const double b2 = cross(c[1] - c[0], p - c[0]) / area;
-      if (b1 >= -kInsideSlack && b2 >= -kInsideSlack && b1 + b2 <= 1.0 + kInsideSlack) {
-        offer(texel, 0.0, triangle, b1, b2);
-      }
-    });
+    const double slack = kBandSlack + kInsideSlack * (std::abs(c[1].x - c[0].x) + std::abs(c[2].x - c[0].x) +
+                                                      std::abs(c[1].y - c[0].y) + std::abs(c[2].y - c[0].y));
+    visit({Segment{c[0], c[1]}, Segment{c[1], c[2]}, Segment{c[2], c[0]}}, slack,
+          [&](size_t texel, const glm::dvec2& p) {
+            const double b1 = cross(p - c[0], c[2] - c[0]) / area;
+            const double b2 = cross(c[1] - c[0], p - c[0]) / area;
+            if (b1 >= -kInsideSlack && b2 >= -kInsideSlack && b1 + b2 <= 1.0 + kInsideSlack) {
+              offer(texel, 0.0, triangle, b1, b2);
+              ++next_open_[texel + texel / grid_.width];
+            }
+          });
   }
 
   void dilate(const Edge& edge, double margin) {
@@ -65,7 +73,7 @@ class Mapper {
     const uint32_t next = (edge.corner + 1) % 3;
     const glm::dvec2 from = c[edge.corner], along = c[next] - from;
     const double length2 = glm::dot(along, along);
-    visit({from, c[next], from}, margin, [&](size_t texel, const glm::dvec2& at) {
+    visit({Segment{from, c[next]}}, margin + kBandSlack, [&](size_t texel, const glm::dvec2& at) {
       const glm::dvec2 p = at - from;
       const double t = length2 > 0.0 ? std::clamp(glm::dot(p, along) / length2, 0.0, 1.0) : 0.0;
       const glm::dvec2 gap = p - along * t;
@@ -103,28 +111,65 @@ class Mapper {
     return true;
   }
 
-  // The texels whose centres, moved by a period or not, are within `margin` of the corners' bounds.
-  template <class Do>
-  void visit(const Corners& c, double margin, Do&& visit_texel) const {
-    const auto range = [&](double a, double b, double d, double moved, uint32_t count) {
-      const double low = std::clamp(std::min({a, b, d}) - margin - moved, 0.0, static_cast<double>(count));
-      const double high = std::clamp(std::max({a, b, d}) + margin - moved, -1.0, count - 1.0);
-      return std::array<int64_t, 2>{static_cast<int64_t>(std::ceil(low)),
-                                    static_cast<int64_t>(std::floor(high))};
+  using Segment = std::array<glm::dvec2, 2>;
+
+  // The texels within no triangle yet whose centres, moved by a period or not, are within `margin` of the
+  // segments or between them in their row. UVs that thousands of triangles share stay cheap so.
+  template <size_t kSegments, class Do>
+  void visit(const Segment (&segments)[kSegments], double margin, Do&& visit_texel) {
+    double low_y = kFar, high_y = -kFar;
+    for (const Segment& s : segments) {
+      low_y = std::min({low_y, s[0].y, s[1].y});
+      high_y = std::max({high_y, s[0].y, s[1].y});
+    }
+    const auto range = [](double low, double high, uint32_t count) {
+      return std::array<int64_t, 2>{
+          static_cast<int64_t>(std::ceil(std::clamp(low, 0.0, static_cast<double>(count)))),
+          static_cast<int64_t>(std::floor(std::clamp(high, -1.0, count - 1.0)))};
     };
     for (const double down : {0.0, 1.0, -1.0}) {
-      const auto [y0, y1] = range(c[0].y, c[1].y, c[2].y, down * period_.y, grid_.height);
-      for (const double right : {0.0, 1.0, -1.0}) {
-        const glm::dvec2 moved = glm::dvec2(right, down) * period_;
-        const auto [x0, x1] = range(c[0].x, c[1].x, c[2].x, moved.x, grid_.width);
-        for (int64_t y = y0; y <= y1; ++y) {
+      const double moved_y = down * period_.y;
+      const auto [y0, y1] = range(low_y - margin - moved_y, high_y + margin - moved_y, grid_.height);
+      for (int64_t y = y0; y <= y1; ++y) {
+        const auto row = static_cast<size_t>(y);
+        if (open(row, 0) == grid_.width) continue;
+        const double at_y = moved_y + static_cast<double>(y);
+        double low_x = kFar, high_x = -kFar;
+        for (const Segment& s : segments) {
+          const glm::dvec2 along = s[1] - s[0];
+          double t0 = 0.0, t1 = std::abs(s[0].y - at_y) <= margin ? 1.0 : -1.0;
+          if (along.y != 0.0) {
+            const double a = (at_y - margin - s[0].y) / along.y, b = (at_y + margin - s[0].y) / along.y;
+            t0 = std::max(std::min(a, b), 0.0);
+            t1 = std::min(std::max(a, b), 1.0);
+          }
+          if (t0 > t1) continue;
+          const double x0 = s[0].x + t0 * along.x, x1 = s[0].x + t1 * along.x;
+          low_x = std::min({low_x, x0, x1});
+          high_x = std::max({high_x, x0, x1});
+        }
+        for (const double right : {0.0, 1.0, -1.0}) {
+          const double moved_x = right * period_.x;
+          const auto [x0, x1] = range(low_x - margin - moved_x, high_x + margin - moved_x, grid_.width);
           for (int64_t x = x0; x <= x1; ++x) {
-            visit_texel(static_cast<size_t>(y) * grid_.width + static_cast<size_t>(x),
-                        moved + glm::dvec2(static_cast<double>(x), static_cast<double>(y)));
+            x = static_cast<int64_t>(open(row, static_cast<size_t>(x)));
+            if (x > x1) break;
+            visit_texel(row * grid_.width + static_cast<size_t>(x),
+                        glm::dvec2(moved_x + static_cast<double>(x), at_y));
           }
         }
       }
     }
+  }
+
+  // The first texel of the row, from x on, that is in no triangle yet; the width if all are.
+  size_t open(size_t row, size_t x) {
+    uint32_t* next = next_open_.data() + row * (grid_.width + size_t{1});
+    while (next[x] != x) {
+      next[x] = next[next[x]];
+      x = next[x];
+    }
+    return x;
   }
 
   void offer(size_t texel, double distance2, uint32_t triangle, double b1, double b2) {
@@ -140,6 +185,8 @@ class Mapper {
   const TexelGrid grid_;
   const glm::dvec2 period_;  // of UVs, in texels
   std::vector<double> distance2_;
+  std::vector<uint32_t>
+      next_open_;  // width + 1 a row: itself, or a texel behind it that may be in no triangle
   TexelMap map_;
 };
 
@@ -168,7 +215,10 @@ TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, cons
                    uint32_t margin) {
   Mapper mapper(surface, grid);
   const double reach = std::max(static_cast<double>(margin), kHalfDiagonal);
-  for (const uint32_t index : parts) {
+  // In the order of the triangles: the first one that has a texel keeps it.
+  std::vector<uint32_t> ordered(parts.begin(), parts.end());
+  std::sort(ordered.begin(), ordered.end());
+  for (const uint32_t index : ordered) {
     const SurfacePart& part = surface.parts[index];
     for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t) {
       mapper.fill(t);

@@ -24,6 +24,7 @@ struct Sheet {
   Recipe recipe;
   std::vector<BakedLayer> layers;
   std::vector<std::filesystem::path> dependencies;
+  std::vector<std::string> warnings;
 
   explicit Sheet(float shift = 0.0f) {
     scene.parts.resize(1);
@@ -75,7 +76,7 @@ struct Sheet {
 
   std::vector<BakedTextureSet> bakeAll(uint32_t threads = 2) {
     return bakeMaps({scene, surface, source_vertex, squeeze, masks, {}, "recipe.json"}, recipe, layers,
-                    threads, dependencies);
+                    threads, dependencies, warnings);
   }
   BakedTextureSet bake(uint32_t threads = 2) {
     auto sets = bakeAll(threads);
@@ -106,6 +107,18 @@ TEST(MapBake, ALayerThatReachesEverythingHasTheWholeOfUvSpace) {
 }
 
 // Drawing charts that nothing shows on was most of the time of a head with hair and a shirt.
+TEST(MapBake, OverlappingUvsAreSaid) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.1);
+  sheet.bake();
+  EXPECT_TRUE(sheet.warnings.empty());
+  // Folded in the middle: the second half lies on the first; of the texels at the fold each has a part.
+  for (glm::vec2& uv : sheet.surface.uvs) uv.x = std::min(uv.x, 1.0f - uv.x);
+  sheet.bake();
+  ASSERT_EQ(sheet.warnings.size(), 1u);
+  EXPECT_NE(sheet.warnings[0].find("overlap: 49%"), std::string::npos) << sheet.warnings[0];
+}
+
 TEST(MapBake, AMaterialThatNoLayerShowsOnHasNoSet) {
   Sheet sheet;
   sheet.add([](float x, float) { return x < 0.5f; }, 0.1);

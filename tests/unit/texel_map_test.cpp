@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <glm/geometric.hpp>
 
 #include "pipeline/scene/rig.h"
@@ -90,6 +91,28 @@ TEST(TexelMap, ChartsSmallerThanATexelAreCovered) {
   EXPECT_EQ(map.triangle[4 * 8 + 4], 0u);
   const Surface line = surfaceOf({{0.1f, 0.1f}, {0.9f, 0.1f}, {0.5f, 0.1f}}, {{0, 1, 2}});
   EXPECT_EQ(mapTexels(line, kFirst, {8, 8}, 0).triangle[4], 0u);
+}
+
+// As when every face of a mesh shows the whole image.
+TEST(TexelMap, UvsSharedByThousandsOfTrianglesTakeLittleTime) {
+  const std::vector<glm::vec2> square = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, half = {{0, 0}, {1, 0}, {0, 1}};
+  std::vector<glm::vec2> uvs;
+  std::vector<glm::uvec3> triangles;
+  for (uint32_t face = 0; face < 2000; ++face)
+    for (const auto& shape : {square, half}) {
+      const auto first = static_cast<uint32_t>(uvs.size());
+      uvs.insert(uvs.end(), shape.begin(), shape.end());
+      triangles.emplace_back(first, first + 1, first + 2);
+      if (shape.size() == 4) triangles.emplace_back(first, first + 2, first + 3);
+    }
+  const Surface surface = surfaceOf(uvs, triangles);
+  const std::clock_t begin = std::clock();
+  const TexelMap map = mapTexels(surface, kFirst, {1024, 1024}, 8);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 2.0);
+  for (const uint32_t triangle : map.triangle) ASSERT_LT(triangle, 2u);
+  const Surface halves = surfaceOf({{0, 0}, {1, 0}, {0, 1}, {0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}, {3, 4, 5}});
+  for (const uint32_t triangle : mapTexels(halves, kFirst, {64, 64}, 2).triangle)
+    ASSERT_TRUE(triangle == 0 || triangle == kNoIndex);
 }
 
 TEST(TexelMap, UvsRepeat) {
