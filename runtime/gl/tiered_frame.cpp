@@ -1,5 +1,6 @@
 #include "furrow/gl/tiered_frame.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <new>
 #include <vector>
@@ -65,6 +66,7 @@ class CpuTier {
     frame.scale = input.scale;
     frame.responses = input.responses;
     frame.region_weights = input.region_weights;
+    frame.active_layers = input.active_layers;
     frame.weights = weights;
     if (Status status = frame.validate(); !status.ok()) return status;
     void* memory = scratch_.data();
@@ -76,7 +78,9 @@ class CpuTier {
 
   Status weighStaged(const FrameInput& input) {
     const uint32_t points = asset_->pointCount();
+    std::fill(weights.begin(), weights.end(), int16_t{0});
     for (uint32_t l = 0; l < asset_->layerCount(); ++l) {
+      if (!(input.active_layers >> l & 1u)) continue;
       const CompressJob compress{asset_, l, positions, input.scale, triangle_q_};
       if (Status status = compress.validate(); !status.ok()) return status;
       compress.run(0, asset_->triangleCount());

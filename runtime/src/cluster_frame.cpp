@@ -276,6 +276,11 @@ class Ahead {
 
 // x, y, z and anything; the last vertex of the host's array must not be read beyond. All that the loop needs
 // is in variables of its own, for the compiler must take `out` to be anywhere.
+// Bit l: layer l is measured in the cluster.
+HWY_INLINE uint32_t measuredLayers(const ClusterFrameJob& job, const Cluster& c) {
+  return c.covered & job.active_layers;
+}
+
 HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
   const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
   const std::byte* posed = job.posed;
@@ -570,7 +575,7 @@ HWY_INLINE void measureLayers(const ClusterFrameJob& job, const Cluster& c, uint
   Pass pass;
   const float* totals[kPass];
   for (uint32_t l = first; l < std::min(first + kPass, asset.layerCount()); ++l) {
-    if (!(c.covered >> l & 1u)) continue;
+    if (!(measuredLayers(job, c) >> l & 1u)) continue;
     const Measure measure = asset.layers[l].measure;
     const auto* coefficients =
         reinterpret_cast<const float*>(words + clusters.layer_words[index * asset.layerCount() + l]);
@@ -606,8 +611,13 @@ void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, cons
   const Clusters& clusters = *job.clusters;
   const Layer& layer = clusters.asset->layers[l];
   const uint32_t* vertex = &clusters.words[c.slot_vertex];
-  const bool measured = c.covered >> l & 1u;
-  const uint32_t pass = c.covered >> (l / kPass * kPass) & ((1u << kPass) - 1);
+  if (!(job.active_layers >> l & 1u)) {
+    if (l % 2 == 0) std::fill_n(scratch.pairs, c.vertices, 0u);
+    return;
+  }
+  const uint32_t layers = measuredLayers(job, c);
+  const bool measured = layers >> l & 1u;
+  const uint32_t pass = layers >> (l / kPass * kPass) & ((1u << kPass) - 1);
   float* q = scratch.q + std::popcount(measured ? pass & ((1u << l % kPass) - 1) : pass) * scratch.padded;
   if (!measured) std::fill_n(q, c.vertices, 1.0f);
   if (layer.bias.empty())
@@ -634,8 +644,8 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
   const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
   Ahead ahead(job, c, clusters.clusters[std::min(index + 1, clusters.clusters.size() - 1)]);
   if (job.posed) {
-    if (c.covered != 0) copyHostPositions(job, c, scratch.positions);
-  } else if (c.covered != 0 || !job.positions.empty()) {
+    if (measuredLayers(job, c) != 0) copyHostPositions(job, c, scratch.positions);
+  } else if (measuredLayers(job, c) != 0 || !job.positions.empty()) {
     if (clusters.wideJoints())
       posePositions<uint16_t>(job, c, scratch.positions);
     else

@@ -113,12 +113,12 @@ static_assert(kMaxLayers == FURROW_MAX_LAYERS && kAbsent == FURROW_NONE && kUnma
 static_assert(static_cast<int>(Measure::kNone) == FURROW_MEASURE_NONE &&
               static_cast<int>(Curve::kOat) == FURROW_CURVE_OAT);
 
-Status bind(FurrowAsset& asset, const FurrowBindDesc& desc, FurrowBinding& binding,
+Status bind(FurrowAsset& asset, const FurrowBindDesc& desc, const VertexStream& from, FurrowBinding& binding,
             FurrowBindCounts& counts) {
   FurrowContext& context = asset.context;
   std::pmr::vector<Float3> positions(desc.vertices, &context.memory);
   PoseJob unpack;
-  if (Status s = readStream(desc.positions, "positions", unpack.from); !s.ok()) return s;
+  unpack.from = from;
   unpack.out = positions;
   if (Status s = unpack.validate(); !s.ok()) return s;
   unpack.run(0, desc.vertices);
@@ -333,11 +333,16 @@ int32_t furrow_binding_create(FurrowAsset* asset, const FurrowBindDesc* desc, Fu
     if (!asset || !binding) return invalid(asset ? "binding is NULL" : "asset is NULL");
     FurrowBindDesc wanted;
     if (Status s = readStruct(desc, wanted, "desc"); !s.ok()) return s;
+    VertexStream from;
+    if (Status s = readStream(wanted.positions, "positions", from); !s.ok()) return s;
+    if (from.count() < wanted.vertices)
+      return Status::error(StatusCode::kInvalidArgument, "desc.positions holds fewer than %u vertices",
+                           wanted.vertices);
     FurrowBindCounts found = {};
     FurrowBinding* made = create<FurrowBinding>(asset->context, *asset, wanted.vertices);
     Status s = [&] {
       try {
-        return bind(*asset, wanted, *made, found);
+        return bind(*asset, wanted, from, *made, found);
       } catch (const std::bad_alloc&) {
         return Status::error(StatusCode::kOutOfMemory, "out of memory");
       }

@@ -98,11 +98,9 @@ Status planPose(FurrowInstance& instance, const FurrowFrame& frame, Plan& plan) 
 
 Status planStages(const FurrowInstance& instance, const FurrowFrame& frame) {
   if (frame.eases && instance.eased.empty()) return missing("attack and release", "FURROW_USE_EASE");
-  if (!(frame.laplace_rate >= 0.0f) || !(frame.laplace_rate <= 1.0f))
-    return invalid("frame.laplace_rate is not between 0 and 1");
+  if (Status s = checkLaplace(frame); !s.ok()) return s;
   if (frame.laplace_steps > 0 && instance.point_q[0].empty())
     return missing("Laplacian steps", "FURROW_USE_LAPLACE");
-  if (frame.laplace_steps > 1000) return invalid("frame.laplace_steps is above 1000");
   if (frame.occlusion &&
       (!frame.occlusion_rest || (!frame.occlusion_deltas && !instance.asset.view.morphs.empty())))
     return invalid("frame.occlusion needs occlusion_rest and occlusion_deltas");
@@ -168,6 +166,7 @@ bool runClustered(FurrowInstance& instance, const Plan& plan) {
   job.scale = plan.values.scale;
   job.responses = {plan.values.responses, layers};
   job.region_weights = {plan.values.regions, layers};
+  job.active_layers = plan.values.active_layers;
   job.weights = instance.weights;
   job.simd = context.simd;
   return parallel(
@@ -184,13 +183,17 @@ bool runStaged(FurrowInstance& instance, const FurrowFrame& frame, const Plan& p
     sound = parallelJob(context, job, count) && sound;
   };
   for (uint32_t l = 0; l < view.layerCount(); ++l) {
+    if (!(plan.values.active_layers >> l & 1u)) {
+      for (size_t i = l; i < instance.weights.size(); i += view.weightStride()) instance.weights[i] = 0;
+      continue;
+    }
     run(CompressJob{&view, l, instance.positions, plan.values.scale, instance.triangle_q},
         view.triangleCount());
     run(SmoothJob{&view, instance.triangle_q, instance.point_q[0]}, view.pointCount());
     size_t from = 0;
     for (uint32_t step = 0; step < frame.laplace_steps; ++step, from = 1 - from)
-      run(LaplaceJob{&view, instance.triangle_q, instance.point_q[from],
-                     frame.laplace_rate == 0.0f ? 0.5f : frame.laplace_rate, instance.point_q[1 - from]},
+      run(LaplaceJob{&view, instance.triangle_q, instance.point_q[from], laplaceRate(frame),
+                     instance.point_q[1 - from]},
           view.pointCount());
     run(RespondJob{&view, l, plan.values.responses[l], plan.values.regions[l], instance.point_q[from],
                    instance.weights},
@@ -229,12 +232,21 @@ bool runOcclusion(FurrowInstance& instance, const FurrowFrame& frame, const Plan
 
 }  // namespace
 
+Status checkLaplace(const FurrowFrame& frame) {
+  if (!(frame.laplace_rate >= 0.0f) || !(frame.laplace_rate <= 1.0f))
+    return invalid("frame.laplace_rate is not between 0 and 1");
+  if (frame.laplace_steps > kMostLaplaceSteps) return invalid("frame.laplace_steps is above 1000");
+  return {};
+}
+
 Status readValues(const AssetView& view, const FurrowFrame& frame, FrameValues& out) {
   const size_t morphs = view.morphs.size();
   if (frame.morph_weights && frame.morph_count != morphs)
     return Status::error(StatusCode::kInvalidArgument, "frame.morph_count is %u, the asset has %zu",
                          frame.morph_count, morphs);
   if (frame.morph_weights) out.morph_weights = {frame.morph_weights, morphs};
+  for (float weight : out.morph_weights)
+    if (!std::isfinite(weight)) return invalid("a morph weight is not finite");
   out.scale = frame.scale == 0.0f ? 1.0f : frame.scale;
   if (!(out.scale > 0.0f) || !std::isfinite(out.scale)) return invalid("frame.scale is not positive");
   const uint32_t layers = view.layerCount();
@@ -255,6 +267,7 @@ Status readValues(const AssetView& view, const FurrowFrame& frame, FrameValues& 
   if (!(frame.seconds >= 0.0f) || !std::isfinite(frame.seconds)) return invalid("frame.seconds is negative");
   if (!(frame.fade_out >= 0.0f) || !(frame.fade_out <= 1.0f))
     return invalid("frame.fade_out is not between 0 and 1");
+  out.active_layers = ~frame.inactive_layers;
   const std::span regions(out.regions, layers);
   if (frame.ignore_drivers || !frame.morph_weights)
     for (float& region : regions) region = std::clamp(region, -1.0f, 1.0f);

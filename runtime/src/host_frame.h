@@ -11,7 +11,14 @@ struct FrameValues {
   Response responses[kMaxLayers];
   float regions[kMaxLayers];  // with the drivers' answers
   Ease eases[kMaxLayers];
+  uint32_t active_layers = 0;  // bit l
 };
+inline constexpr uint32_t kMostLaplaceSteps = 1000;
+Status checkLaplace(const FurrowFrame& frame);
+inline float laplaceRate(const FurrowFrame& frame) {
+  return frame.laplace_rate == 0.0f ? 0.5f : frame.laplace_rate;
+}
+
 Status readValues(const AssetView& view, const FurrowFrame& frame, FrameValues& out);
 
 Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameReport& report);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "furrow/frame_plan.h"
 #include "host_frame.h"
@@ -7,11 +8,31 @@
 using namespace furrow;
 
 struct FurrowPlan {
-  FurrowPlan(FurrowAsset& of, const PlanOptions& options) : asset(of), plan(of.view, options) {
+  FurrowPlan(FurrowAsset& of, const FurrowInstance* rest, const PlanOptions& options)
+      : asset(of), view(of.view), plan(takeRest(rest), options) {
     furrow_asset_retain(&asset);
+  }
+  FurrowPlan(const FurrowPlan&) = delete;
+  FurrowPlan& operator=(const FurrowPlan&) = delete;
+
+  // The view, with coefficients of its own if the instance has them.
+  const AssetView& takeRest(const FurrowInstance* rest) {
+    if (!rest || !rest->recaptured) return view;
+    coefficients.assign(rest->coefficients.begin(), rest->coefficients.end());
+    layers.assign(rest->own_layers.begin(), rest->own_layers.end());
+    for (Layer& layer : layers)
+      layer.coefficients =
+          std::span(coefficients)
+              .subspan(static_cast<size_t>(layer.coefficients.data() - rest->coefficients.data()),
+                       layer.coefficients.size());
+    view.layers = layers;
+    return view;
   }
 
   FurrowAsset& asset;
+  AssetView view;
+  std::vector<float> coefficients;
+  std::vector<Layer> layers;
   FramePlan plan;
 };
 
@@ -55,6 +76,10 @@ Status readOptions(const FurrowPlanDesc& desc, PlanOptions& out) {
   out.skinning = static_cast<Skinning>(desc.skinning);
   out.ease = desc.ease;
   out.instances = std::max(desc.instances, 1u);
+  out.laplace_steps = desc.laplace_steps;
+  if (desc.laplace_steps > kMostLaplaceSteps) return invalid("desc.laplace_steps is above 1000");
+  if (desc.laplace_steps > 0 && desc.form == FURROW_FORM_RASTER)
+    return invalid("desc.laplace_steps: the raster form makes none");
   return {};
 }
 
@@ -78,7 +103,11 @@ std::span<const Item> itemsOf(const FurrowPlan* plan) {
 Status writeValues(const FurrowPlan& plan, const FurrowFrame& frame, std::span<std::byte> out) {
   FrameValues values;
   if (Status s = readValues(plan.asset.view, frame, values); !s.ok()) return s;
-  if (frame.laplace_steps > 0) return invalid("frame.laplace_steps: plans make none");
+  if (Status s = checkLaplace(frame); !s.ok()) return s;
+  if (frame.laplace_steps != plan.plan.options().laplace_steps)
+    return Status::error(StatusCode::kInvalidArgument,
+                         "frame.laplace_steps is %u: create the plan with as many, it makes %u",
+                         frame.laplace_steps, plan.plan.options().laplace_steps);
   if (frame.eases && !plan.plan.options().ease)
     return invalid("frame.eases: create the plan with FurrowPlanDesc.ease");
   const size_t layers = plan.asset.view.layerCount();
@@ -90,6 +119,8 @@ Status writeValues(const FurrowPlan& plan, const FurrowFrame& frame, std::span<s
   input.seconds = frame.seconds;
   input.reset = frame.reset;
   input.fade = 1.0f - frame.fade_out;
+  input.active_layers = values.active_layers;
+  input.laplace_rate = laplaceRate(frame);
   plan.plan.writeFrame(input, out);
   return {};
 }
@@ -144,7 +175,8 @@ int32_t furrow_plan_create(FurrowAsset* asset, const FurrowPlanDesc* desc, Furro
     PlanOptions options;
     if (Status s = readStruct(desc, wanted, "desc"); !s.ok()) return s;
     if (Status s = readOptions(wanted, options); !s.ok()) return s;
-    *plan = create<FurrowPlan>(asset->context, *asset, options);
+    if (wanted.rest && &wanted.rest->asset != asset) return invalid("desc.rest is of another asset");
+    *plan = create<FurrowPlan>(asset->context, *asset, wanted.rest, options);
     return {};
   });
 }

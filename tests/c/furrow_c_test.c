@@ -660,6 +660,50 @@ static void testResponse(FurrowContext* context, File file) {
   furrow_asset_release(asset);
 }
 
+/* Layers that are switched off weigh nothing and leave the others as they are, in either form. */
+static void testInactiveLayers(FurrowContext* context, File file) {
+  FurrowStatus status;
+  FurrowAsset* asset = loadAsset(context, file, 0, 0);
+  FurrowAssetInfo info = {.size = sizeof info};
+  FurrowInstance* instance = makeInstance(asset, FURROW_USE_LAPLACE);
+  FurrowFrame frame;
+  FurrowFrameReport report = {.size = sizeof report};
+  float *palette, *morphs;
+  uint32_t i, l, mask;
+  CHECK_OK(furrow_asset_info(asset, &info, &status));
+  palette = makePalette(info.palette, 0.7f);
+  morphs = calloc(info.morphs + 1, sizeof(float));
+  frame = paletteFrame(palette, &info);
+  frame.morph_weights = morphs, frame.morph_count = info.morphs;
+  for (frame.laplace_steps = 0; frame.laplace_steps < 2; ++frame.laplace_steps) {
+    int16_t* all;
+    frame.inactive_layers = 0;
+    CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
+    CHECK(report.clustered == (frame.laplace_steps == 0));
+    all = copyWeights(instance, &info);
+    for (mask = 0; mask < 1u << info.layers; ++mask) {
+      const int16_t* w = furrow_instance_weights(instance);
+      frame.inactive_layers = mask;
+      CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
+      for (i = 0; i < info.vertices * info.weight_stride; ++i) {
+        l = i % info.weight_stride;
+        if (l < info.layers && w[i] != (mask >> l & 1u ? 0 : all[i])) break;
+      }
+      CHECK(i == info.vertices * info.weight_stride);
+    }
+    free(all);
+  }
+  frame.laplace_steps = 0, frame.inactive_layers = 0xffffffffu; /* those that the asset lacks say nothing */
+  CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
+  if (info.morphs > 0) {
+    morphs[info.morphs - 1] = NAN;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_instance_frame(instance, &frame, &report, &status));
+  }
+  free(palette), free(morphs);
+  furrow_instance_release(instance);
+  furrow_asset_release(asset);
+}
+
 /* Morph weights drive regions and carry occlusion along. */
 static void testMorphs(FurrowContext* context, File face) {
   FurrowStatus status;
@@ -915,7 +959,26 @@ static void testBinding(FurrowContext* context, Host* host, File file) {
   CHECK(mine == NULL);
   indices[0] = 0, desc.vertices = info.vertices + 1;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
-  desc.vertices = info.vertices, desc.tolerance = -1.0f;
+  {
+    const long allocations = host->allocations; /* what cannot be is refused before memory is asked for */
+    desc.vertices = 0xffffffffu;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+    desc.vertices = info.vertices, desc.positions.offset = (size_t)-8;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+    desc.positions.offset = 0, desc.positions.stride = (size_t)-12;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+    desc.positions.stride = 0;
+    CHECK(host->allocations == allocations);
+  }
+  desc.positions.stride = 4;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+  desc.positions.stride = 0, desc.index_count -= 1;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+  desc.index_count += 1, desc.to_root[3] += NAN;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+  memcpy(desc.to_root, part.rest, sizeof desc.to_root), counts.size = 0;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
+  counts.size = sizeof counts, desc.tolerance = -1.0f;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, &desc, &mine, &counts, &status));
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(asset, NULL, &mine, &counts, &status));
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_binding_create(NULL, &desc, &mine, &counts, &status));
@@ -1052,6 +1115,89 @@ static void testJobs(Host* host, FurrowContext* context, File file) {
 }
 
 /* Every form of the frame as a plan that can be recorded. */
+static const float* coefficientsOf(const FurrowPlan* plan, size_t* count) {
+  FurrowStatus status;
+  FurrowBufferInfo buffer;
+  uint32_t b = 0;
+  do {
+    memset(&buffer, 0, sizeof buffer);
+    buffer.size = sizeof buffer;
+    CHECK_OK(furrow_plan_buffer(plan, b++, &buffer, &status));
+  } while (status.code == FURROW_OK && strcmp(buffer.name, "furrow coefficients") != 0);
+  *count = buffer.bytes / sizeof(float);
+  return buffer.initial;
+}
+
+/* Laplacian steps are dispatches of their own; a recaptured rest is measured from, whatever becomes of the
+   instance that has it. */
+static void testPlanOptions(FurrowContext* context, File file, FurrowAsset* asset, FurrowFrame frame) {
+  FurrowStatus status;
+  FurrowPlanDesc desc = {.size = sizeof desc};
+  FurrowPlanInfo about = {.size = sizeof about};
+  FurrowAssetInfo info = {.size = sizeof info};
+  FurrowPlan *plain = NULL, *plan = NULL;
+  FurrowInstance* instance = makeInstance(asset, FURROW_USE_RECAPTURE);
+  FurrowAsset* other;
+  float *palette, constants[1024];
+  const float *before, *after;
+  uint32_t i, measured = 0;
+  size_t count, same;
+  CHECK_OK(furrow_asset_info(asset, &info, &status));
+
+  desc.form = FURROW_FORM_STAGED;
+  CHECK_OK(furrow_plan_create(asset, &desc, &plain, &status));
+  CHECK_OK(furrow_plan_info(plain, &about, &status));
+  i = about.items;
+  desc.form = FURROW_FORM_CLUSTERED, desc.laplace_steps = 3;
+  CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+  CHECK_OK(furrow_plan_info(plan, &about, &status));
+  CHECK(about.form == FURROW_FORM_STAGED && about.items == i + 2 * 3);
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
+  frame.laplace_steps = 3;
+  CHECK_OK(furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
+  frame.laplace_rate = 2.0f;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
+  frame.laplace_rate = 0.0f, frame.laplace_steps = 0;
+  furrow_plan_release(plan);
+  desc.form = FURROW_FORM_RASTER;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
+  desc.form = FURROW_FORM_STAGED, desc.laplace_steps = 100000;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
+  desc.laplace_steps = 0;
+
+  /* Twice as large, half as much a unit of length. */
+  palette = makePalette(info.palette, 2.0f);
+  for (i = 0; i < info.palette; ++i) palette[12 * i + 5] = palette[12 * i + 10] = 2.0f;
+  frame.palette = palette;
+  desc.rest = instance; /* without a rest of its own, the asset's */
+  CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+  before = coefficientsOf(plain, &count), after = coefficientsOf(plan, &same);
+  CHECK(count == same && memcmp(before, after, count * sizeof(float)) == 0);
+  furrow_plan_release(plan);
+  frame.morph_weights = NULL;
+  CHECK_OK(furrow_instance_recapture(instance, &frame, &status));
+  CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+  furrow_instance_release(instance);
+  after = coefficientsOf(plan, &same);
+  CHECK(count == same);
+  for (i = 0; i < count; ++i) {
+    if (before[i] == 0.0f || after[i] == 0.0f) continue; /* excluded, or degenerate now */
+    ++measured;
+    if (fabsf(after[i] / before[i] - 0.5f) > 1e-3f) break;
+  }
+  CHECK(i == count && measured > count / 4);
+  CHECK_OK(furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
+  furrow_plan_release(plan), furrow_plan_release(plain);
+
+  other = loadAsset(context, file, 0, 0);
+  desc.rest = instance = makeInstance(other, FURROW_USE_RECAPTURE);
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
+  furrow_instance_release(instance), furrow_asset_release(other);
+  free(palette);
+}
+
 static void testPlan(FurrowContext* context, File file) {
   FurrowStatus status;
   FurrowAsset* asset = loadAsset(context, file, 0, 0);
@@ -1073,7 +1219,8 @@ static void testPlan(FurrowContext* context, File file) {
     uint64_t instance_bytes = 0, asset_bytes = 0;
     int dispatches = 0, draws = 0, barriers = 0, weights_found = 0;
     desc.form = form, desc.normals = 1;
-    if (form == FURROW_FORM_CLUSTERED) desc.instances = 10, desc.ease = 1;
+    if (form == FURROW_FORM_CLUSTERED) desc.instances = 10;
+    desc.ease = form != FURROW_FORM_STAGED;
     CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
     CHECK_OK(furrow_plan_info(plan, &about, &status));
     CHECK(about.form == form && about.instances == (form == FURROW_FORM_CLUSTERED ? 10u : 1u));
@@ -1177,6 +1324,7 @@ static void testPlan(FurrowContext* context, File file) {
     CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_shader_source(1000, &source, &status));
   }
   furrow_plan_release(NULL);
+  testPlanOptions(context, file, asset, frame);
   free(palette), free(weights);
   furrow_asset_release(asset);
 }
@@ -1284,6 +1432,7 @@ int main(int argc, char** argv) {
   testPoses(context, sleeve);
   testDualQuaternions(context, sleeve);
   testResponse(context, sleeve);
+  testInactiveLayers(context, sleeve);
   testMorphs(context, face);
   testBinding(context, &host, sleeve);
   testMemoryAndReload(context, &host, face, sleeve);

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <vector>
 
+#include "furrow/recapture.h"
 #include "sheets.h"
 #include "tests/image/ball_asset.h"
 #include "tests/image/gl_fixture.h"
@@ -49,9 +50,12 @@ class ExecutorTest : public GlTest, public testing::WithParamInterface<Form> {
     return positions;
   }
 
-  std::vector<int16_t> cpuWeights(const std::vector<Float3>& positions, uint32_t laplace_steps = 0,
-                                  float laplace_rate = 0.0f) const {
-    const AssetView& asset = ball_.view();
+  std::vector<int16_t> cpuWeights(const std::vector<Float3>& positions, uint32_t laplace_steps = 0) const {
+    return cpuWeights(ball_.view(), positions, laplace_steps);
+  }
+
+  std::vector<int16_t> cpuWeights(const AssetView& asset, const std::vector<Float3>& positions,
+                                  uint32_t laplace_steps) const {
     std::vector<float> triangle_q(asset.triangleCount()), point_q(asset.pointCount()),
         smoothed(point_q.size());
     std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
@@ -59,7 +63,7 @@ class ExecutorTest : public GlTest, public testing::WithParamInterface<Form> {
       CompressJob{&asset, layer, positions, 1.0f, triangle_q}.run(0, asset.triangleCount());
       SmoothJob{&asset, triangle_q, point_q}.run(0, asset.pointCount());
       for (uint32_t step = 0; step < laplace_steps; ++step) {
-        LaplaceJob{&asset, triangle_q, point_q, laplace_rate, smoothed}.run(0, asset.pointCount());
+        LaplaceJob{&asset, triangle_q, point_q, frame_.laplace_rate, smoothed}.run(0, asset.pointCount());
         std::swap(point_q, smoothed);
       }
       RespondJob{&asset, layer, asset.layers[layer].response, 0.0f, point_q, weights}.run(
@@ -252,6 +256,33 @@ TEST_P(ExecutorTest, LayersThatAreSwitchedOffWeighNothing) {
   }
 }
 
+TEST_P(ExecutorTest, MeasuresFromARecapturedRest) {
+  const AssetView& asset = ball_.view();
+  palette_[1].m[7] = -0.4f;
+  const std::vector<Float3> rest = posed();
+  std::vector<Layer> layers(asset.layers.begin(), asset.layers.end());
+  std::vector<std::vector<float>> coefficients(layers.size());
+  for (uint32_t l = 0; l < layers.size(); ++l) {
+    coefficients[l].resize(layers[l].coefficients.size());
+    const RecaptureJob job{&asset, l, rest, 1.0f, coefficients[l]};
+    ASSERT_TRUE(job.validate().ok());
+    job.run(0, asset.triangleCount());
+    layers[l].coefficients = coefficients[l];
+  }
+  AssetView own = asset;
+  own.layers = layers;
+  const FramePlan plan(own, {.form = GetParam()});
+  ASSERT_EQ(plan.options().form, GetParam());
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  palette_[1].m[7] = -0.1f;
+  ASSERT_TRUE(executor.upload(frame_).ok());
+  ASSERT_TRUE(executor.run().ok());
+  const auto expected = cpuWeights(own, posed(), 0);
+  expectSameWeights(read<int16_t>(executor, Buffer::kWeights, expected.size()), expected);
+  EXPECT_NE(expected, cpuWeights(posed()));
+}
+
 class LaplaceTest : public ExecutorTest {};
 
 TEST_P(LaplaceTest, StepsAsOnTheCpu) {
@@ -266,7 +297,7 @@ TEST_P(LaplaceTest, StepsAsOnTheCpu) {
     ASSERT_TRUE(status.ok()) << status.message;
     ASSERT_TRUE(executor.upload(frame_).ok());
     ASSERT_TRUE(executor.run().ok());
-    const auto expected = cpuWeights(posed(), steps, frame_.laplace_rate);
+    const auto expected = cpuWeights(posed(), steps);
     expectSameWeights(read<int16_t>(executor, Buffer::kWeights, expected.size()), expected);
     EXPECT_NE(expected, without);
   }

@@ -132,6 +132,7 @@ struct ClusterFrameJob {
   float scale = 1.0f;                     // uniform scale of the instance that the pose contains, > 0
   std::span<const Response> responses;    // a layer; or empty: the asset's
   std::span<const float> region_weights;  // a layer; or empty: 0
+  uint32_t active_layers = 0xffffu;       // bit l: layer l is computed; the others cost nothing and weigh 0
   std::span<int16_t> weights;             // out, weightStride() a vertex
   Simd simd = bestSimd();
 

@@ -375,6 +375,7 @@ typedef struct FurrowFrame {
   const FurrowResponse* responses;
   const float* region_weights;  // scripted, [-1, 1]
   int32_t ignore_drivers;       // else the drivers' answers to the morph weights are added
+  uint32_t inactive_layers;     // bit l: layer l is not computed and weighs 0, as for those out of sight
   uint32_t laplace_steps;       // extra smoothing steps over the points
   float laplace_rate;           // of a step, (0, 1]; 0: 1/2
 
@@ -429,7 +430,7 @@ FURROW_API int32_t furrow_instance_reload(FurrowInstance** instance, FurrowAsset
 
 // Of the last computed frame; valid until the next one. Weights are snorm16 (w * 32767),
 // FurrowAssetInfo.weight_stride a vertex; positions and normals 3 floats, tangents 4. NULL: not kept. Normals
-// and tangents are posed by palettes alone.
+// and tangents are posed by palettes alone: a host that poses its own vertices has its own normals.
 FURROW_API const int16_t* furrow_instance_weights(const FurrowInstance* instance);
 FURROW_API const float* furrow_instance_positions(const FurrowInstance* instance);
 FURROW_API const float* furrow_instance_normals(const FurrowInstance* instance);
@@ -453,12 +454,11 @@ FURROW_API int32_t furrow_instance_read(const FurrowInstance* instance, const Fu
 // ---- Frame plans: the frame on a GPU, recorded in the engine's own graphics API ----
 
 // What buffers to make, what to bind and what to run; furrow/frame_plan.h says more, docs/integration.md
-// walks through it. A plan does not change; any number of threads may read it. It does not do Laplacian steps
-// and knows no recaptured rest.
+// walks through it. A plan does not change; any number of threads may read it.
 typedef struct FurrowPlan FurrowPlan;
 
 enum {
-  FURROW_FORM_CLUSTERED = 0,  // compute, the fast path; for assets without clusters, the next one
+  FURROW_FORM_CLUSTERED = 0,  // compute, the fast path; without clusters or with Laplacian steps, the next
   FURROW_FORM_STAGED = 1,     // compute, a dispatch a stage
   FURROW_FORM_RASTER = 2      // OpenGL 3.3, without compute
 };
@@ -469,8 +469,13 @@ typedef struct FurrowPlanDesc {
   int32_t posed_by_host;  // the host fills FURROW_BUFFER_POSITIONS, the plan poses nothing
   int32_t normals;        // pose normals and tangents too
   uint32_t skinning;
-  int32_t ease;        // attack and release of weights; not in the raster form
+  int32_t ease;        // attack and release of weights; set FurrowFrame.reset in the first frame
   uint32_t instances;  // 0: 1; more in the clustered form alone
+  // Extra smoothing, as FurrowFrame.laplace_steps then says again; makes the plan staged. Not in the raster
+  // form.
+  uint32_t laplace_steps;
+  // Of this asset, its recaptured rest takes the place of the asset's; read during the call only. NULL: none.
+  const FurrowInstance* rest;
 } FurrowPlanDesc;
 
 FURROW_API int32_t furrow_plan_create(FurrowAsset* asset, const FurrowPlanDesc* desc, FurrowPlan** plan,
@@ -567,7 +572,9 @@ FURROW_API int32_t furrow_shader_source(uint32_t shader, FurrowShaderSource* sou
 // What a FURROW_BUFFER_FRAME, _PALETTE or _MORPH_WEIGHTS buffer takes for one frame of one instance; `out`
 // has room for its instance_bytes, is aligned to 4, and may be mapped memory: it is written once, in order.
 // Of `frame`, what the buffer holds is read: everything but palette, skinning and morph weights (but for the
-// drivers); the palette; the morph weights. Neither allocates nor waits.
+// drivers); the palette; the morph weights. Which instances run when is the host's to say, in the instances'
+// buffer: `every` and `phase` say nothing here, and `seconds` are those since the instance last ran. Neither
+// allocates nor waits.
 FURROW_API int32_t furrow_plan_write(const FurrowPlan* plan, uint32_t role, const FurrowFrame* frame,
                                      void* out, size_t bytes, FurrowStatus* status);
 
