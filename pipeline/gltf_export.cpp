@@ -337,12 +337,7 @@ class Exporter {
       add("TANGENT", asset_.tangents, 4);
       add("TEXCOORD_0", asset_.uvs, 2);
     }
-    const uint32_t count = part.vertex_end - part.vertex_begin;
-    if (!asset_.colors.empty())
-      attributes["COLOR_0"] =
-          addAccessor(addView(asset_.colors.subspan(size_t{4} * part.vertex_begin, size_t{4} * count),
-                              TINYGLTF_TARGET_ARRAY_BUFFER),
-                      TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_VEC4, count, true);
+    if (!asset_.colors.empty()) attributes["COLOR_0"] = addColors(part);
     addLayerAttributes(part, attributes);
 
     tinygltf::Node node;
@@ -366,6 +361,18 @@ class Exporter {
     model_.meshes.push_back(std::move(mesh));
     model_.nodes.push_back(std::move(node));
     place(number(model_.nodes.size() - 1), parent);
+  }
+
+  // Linear, as glTF has them; of 16 bits, which hold the squares of 8.
+  int addColors(const Part& part) {
+    std::vector<uint16_t> linear;
+    for (size_t i = size_t{4} * part.vertex_begin; i < size_t{4} * part.vertex_end; ++i) {
+      const uint32_t root = asset_.colors[i];
+      linear.push_back(
+          static_cast<uint16_t>(i % 4 == 3 ? root * 257 : (root * root * 65535 + 32512) / 65025));
+    }
+    return addAccessor(addView(std::span<const uint16_t>(linear), TINYGLTF_TARGET_ARRAY_BUFFER),
+                       TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, linear.size() / 4, true);
   }
 
   // Binds a part to the nodes that move it: as a child of the only one, or by a skin. Returns its parent.

@@ -276,6 +276,26 @@ TEST_F(Export, OfSeveralMorphedMeshesKeepsTheirClips) {
   EXPECT_EQ(attribute("_MASK_THE_ONE_").size(), asset().vertexCount());
 }
 
+// COLOR_0 is linear in glTF; an asset keeps square roots.
+TEST_F(Export, OfColoursKeepsTheirLight) {
+  const std::vector<float> colors = {0.5f, 0.02f, 1,    1, 0.25f, 0,    0.7f,  1,
+                                     1,    0.1f,  0.3f, 1, 0.8f,  0.6f, 0.04f, 1};
+  GltfBuilder builder;
+  builder.add(std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3", 3);
+  builder.add(std::vector<uint16_t>{0, 1, 2, 0, 2, 3}, "SCALAR", 1);
+  builder.add(colors, "VEC4", 4);
+  exportAsset(write(
+      "colours.glb",
+      builder.glb(R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+                  R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":2},"indices":1}]}])")));
+  ASSERT_FALSE(HasFatalFailure());
+  const std::vector<float> exported = attribute("COLOR_0");
+  ASSERT_EQ(exported.size(), colors.size());
+  for (size_t i = 0; i < colors.size(); ++i)
+    EXPECT_NEAR(std::sqrt(exported[i]), std::sqrt(colors[4 * asset().source_vertex[i / 4] + i % 4]),
+                0.51f / 255.0f);
+}
+
 TEST_F(Export, OfRealFilesPosesAsTheyDo) {
   size_t count = 0;
   const std::filesystem::path plain =
