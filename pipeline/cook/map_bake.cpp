@@ -349,12 +349,18 @@ class MapBake {
   void bakeSet(BakedTextureSet& set) {
     set.compress_slice.assign(layers_.size(), kAbsent);
     set.stretch_slice.assign(layers_.size(), kAbsent);
+    std::vector<size_t> drawn;
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      const bool has_map = !std::holds_alternative<MapNone>(recipe_.layers[l].compress) ||
+                           !std::holds_alternative<MapNone>(recipe_.layers[l].stretch);
+      if (has_map && reaches(layers_[l], set)) drawn.push_back(l);
+    }
+    if (drawn.empty()) return;
     const Masks masks = drawMasks(set);
     const double length_of_uv = sizeOfUvs(set).length;
     std::vector<Pose> poses;
     glm::dvec2 wanted(kSizeStep);
-    for (size_t l = 0; l < layers_.size(); ++l) {
-      if (!reaches(layers_[l], set)) continue;
+    for (const size_t l : drawn) {
       const TexelGrid window = windowOf(masks, l);
       for (const bool stretch : {false, true}) {
         Pose next = pose(l, stretch, window, length_of_uv);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "pipeline/scene/rig.h"
 
@@ -190,22 +191,30 @@ class Mapper {
   TexelMap map_;
 };
 
+// By vertices, then triangle.
 std::vector<Edge> sortedEdges(const Surface& surface, const SurfacePart& part) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * static_cast<size_t>(part.triangle_end - part.triangle_begin));
-  for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t) {
-    const glm::uvec3 v = surface.triangles[t];
-    const glm::dvec2 a = surface.uvs[v[0]], b = surface.uvs[v[1]], c = surface.uvs[v[2]];
-    const double area = cross(b - a, c - a);
-    for (uint32_t i = 0; i < 3; ++i) {
-      const uint32_t from = v[i], to = v[(i + 1) % 3];
-      const int turn = area > 0.0 ? 1 : area < 0.0 ? -1 : 0;
-      edges.push_back({std::min(from, to), std::max(from, to), t, i, from < to ? turn : -turn});
+  const auto eachEdge = [&](const auto& visit) {
+    for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t) {
+      const glm::uvec3 v = surface.triangles[t];
+      const glm::dvec2 a = surface.uvs[v[0]], b = surface.uvs[v[1]], c = surface.uvs[v[2]];
+      const double area = cross(b - a, c - a);
+      for (uint32_t i = 0; i < 3; ++i) {
+        const uint32_t from = v[i], to = v[(i + 1) % 3];
+        const int turn = area > 0.0 ? 1 : area < 0.0 ? -1 : 0;
+        visit(Edge{std::min(from, to), std::max(from, to), t, i, from < to ? turn : -turn});
+      }
     }
-  }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-  });
+  };
+  std::vector<uint32_t> begin(part.vertex_end - part.vertex_begin + 1, 0);
+  eachEdge([&](const Edge& edge) { ++begin[edge.low - part.vertex_begin + 1]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Edge> edges(begin.back());
+  std::vector<uint32_t> free(begin.begin(), begin.end() - 1);
+  eachEdge([&](const Edge& edge) { edges[free[edge.low - part.vertex_begin]++] = edge; });
+  for (size_t v = 0; v + 1 < begin.size(); ++v)
+    std::sort(edges.begin() + begin[v], edges.begin() + begin[v + 1], [](const Edge& a, const Edge& b) {
+      return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+    });
   return edges;
 }
 
