@@ -10,7 +10,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -26,7 +25,7 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 
-constexpr uint32_t kWidest = 4;
+constexpr uint32_t kPass = 4;
 
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
   return load(positions + corner[0]);
@@ -50,15 +49,16 @@ struct Rings {
 };
 
 template <uint32_t kLayers>
-HWY_INLINE void storeSideBySide(const float* q, size_t step, float* out) {
+HWY_INLINE void storeSideBySide(const Lanes (&q)[kLayers], float* out) {
   for (uint32_t i = 0; i < kWidth; ++i)
-    for (uint32_t l = 0; l < kLayers; ++l) out[kLayers * i + l] = q[l * step + i];
+    for (uint32_t l = 0; l < kLayers; ++l) out[kLayers * i + l] = q[l].v[i];
 }
 
 #else
 
-// Layers that are smoothed at once.
-constexpr uint32_t kWidest = HWY_MAX_BYTES >= 32 ? 8 : 4;
+// Layers that are measured and smoothed at once.
+constexpr uint32_t kPass = HWY_MAX_BYTES >= 32 ? 8 : 4;
+static_assert(kPass <= kMostInPass);
 
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
@@ -218,20 +218,18 @@ struct Rings<2> {
   }
 };
 
-// q of kWidth triangles in kLayers layers, `step` apart, the layers of each triangle side by side.
+// q of kWidth triangles in kLayers layers, the layers of each triangle side by side.
 template <uint32_t kLayers>
-HWY_INLINE void storeSideBySide(const float* q, size_t step, float* out) {
+HWY_INLINE void storeSideBySide(Lanes (&q)[kLayers], float* out) {
   if constexpr (kLayers == 1) {
-    store(load(q), out);
+    store(q[0], out);
   } else if constexpr (kLayers == 2) {
-    const D d;
-    storeBlocks(hn::InterleaveLower(d, load(q), load(q + step)), out, 8);
-    storeBlocks(hn::InterleaveUpper(d, load(q), load(q + step)), out + 4, 8);
+    storeBlocks(hn::InterleaveLower(D(), q[0], q[1]), out, 8);
+    storeBlocks(hn::InterleaveUpper(D(), q[0], q[1]), out + 4, 8);
   } else {
-    for (uint32_t l = 0; l < kLayers; l += 4, q += 4 * step) {
-      Lanes rows[4] = {load(q), load(q + step), load(q + 2 * step), load(q + 3 * step)};
-      transpose(rows[0], rows[1], rows[2], rows[3]);
-      for (uint32_t i = 0; i < 4; ++i) storeBlocks(rows[i], out + kLayers * i + l, 4 * kLayers);
+    for (uint32_t l = 0; l < kLayers; l += 4) {
+      transpose(q[l], q[l + 1], q[l + 2], q[l + 3]);
+      for (uint32_t i = 0; i < 4; ++i) storeBlocks(q[l + i], out + kLayers * i + l, 4 * kLayers);
     }
   }
 }
@@ -274,13 +272,13 @@ class Ahead {
   uint32_t lines_, vertices_;
 };
 
-// x, y, z and anything; the last vertex of the host's array must not be read beyond. All that the loop needs
-// is in variables of its own, for the compiler must take `out` to be anywhere.
 // Bit l: layer l is measured in the cluster.
 HWY_INLINE uint32_t measuredLayers(const ClusterFrameJob& job, const Cluster& c) {
   return c.covered & job.active_layers;
 }
 
+// x, y, z and anything; the last vertex of the host's array must not be read beyond. All that the loop needs
+// is in variables of its own, for the compiler must take `out` to be anywhere.
 HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
   const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
   const std::byte* posed = job.posed;
@@ -448,97 +446,42 @@ HWY_INLINE Lanes clampedQ(const Edges& edges, const float* c, Lanes inverse_scal
   return ifNotNegative(q, atMost(q, kMaxQ), otherwise);
 }
 
-template <typename Use>
-HWY_INLINE void withMeasure(Measure measure, Use use) {
-  if (measure == Measure::kDirectional)
-    use(Directional());
-  else if (measure == Measure::kArea)
-    use(Area());
-  else
-    use(Principal());
-}
-
-template <typename Measured>
-HWY_INLINE void measureAlone(const Cluster& c, const uint16_t* corner, const float* coefficients,
-                             Lanes inverse_scale2, const float* positions, Ahead& ahead, float* q) {
-  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes) {
-    ahead.step();
-    for (uint32_t i = 0; i < kTriangleLanes; i += kWidth)
-      store(clampedQ<Measured>(Edges(positions, corner + 3 * i), coefficients + i, inverse_scale2),
-            q + group + i);
-    corner += 3 * kTriangleLanes;
-    coefficients += Measured::kCoefficients * kTriangleLanes;
-  }
+HWY_INLINE Lanes clampedQ(Measure measure, const Edges& edges, const float* c, Lanes inverse_scale2) {
+  return measure == Measure::kDirectional ? clampedQ<Directional>(edges, c, inverse_scale2)
+         : measure == Measure::kArea      ? clampedQ<Area>(edges, c, inverse_scale2)
+                                          : clampedQ<Principal>(edges, c, inverse_scale2);
 }
 
 // The layers of a pass that a cluster measures.
 struct Pass {
   uint32_t count = 0;
+  bool directional = true;  // all of them
   Measure measures[kPass];
   const float* coefficients[kPass];
 };
 
-constexpr uint32_t kBlock = 8 * kTriangleLanes;
-
-// Edges of a block of triangles.
-struct EdgeBlock {
-  alignas(64) float x1[kBlock], y1[kBlock], z1[kBlock], x2[kBlock], y2[kBlock], z2[kBlock];
-
-  HWY_INLINE void set(uint32_t i, const Edges& e) {
-    store(e.x1, x1 + i), store(e.y1, y1 + i), store(e.z1, z1 + i);
-    store(e.x2, x2 + i), store(e.y2, y2 + i), store(e.z2, z2 + i);
-  }
-  HWY_INLINE Edges at(uint32_t i) const {
-    Edges e;
-    e.x1 = load(x1 + i), e.y1 = load(y1 + i), e.z1 = load(z1 + i);
-    e.x2 = load(x2 + i), e.y2 = load(y2 + i), e.z2 = load(z2 + i);
-    return e;
-  }
-};
-
-// Calls use(begin, layers) for as many of `count` layers as are smoothed at once; their q lie side by side in
-// so many as `layers` tells, which may be more.
-template <typename Use>
-HWY_INLINE void packs(uint32_t count, Use use) {
-  for (uint32_t begin = 0; begin < count; begin += kWidest) {
-    const uint32_t left = std::min(count - begin, kWidest);
-    if (left == 1)
-      use(begin, std::integral_constant<uint32_t, 1>());
-    else if (left == 2)
-      use(begin, std::integral_constant<uint32_t, 2>());
-    else if (left <= 4)
-      use(begin, std::integral_constant<uint32_t, 4>());
-    else
-      use(begin, std::integral_constant<uint32_t, kWidest>());
-  }
-}
-
-// Several layers at once: a block's edges are worked out for all of them.
-HWY_INLINE void measureTogether(const Cluster& c, const uint16_t* corner, Pass pass, Lanes inverse_scale2,
-                                const float* positions, Ahead& ahead, float* triangle_q) {
-  EdgeBlock edges;
-  alignas(64) float q[kPass][kBlock] = {};
-  for (uint32_t first = 0; first < c.triangles; first += kBlock) {
-    const uint32_t count = std::min(kBlock, c.triangles - first);
-    for (uint32_t i = 0; i < count; i += kWidth) {
-      if (i % kTriangleLanes == 0) ahead.step();
-      edges.set(i, Edges(positions, corner + 3 * size_t{first + i}));
+// Of up to kLayers layers.
+template <uint32_t kLayers, bool kDirectional>
+HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const Pass& pass, Lanes inverse_scale2,
+                        const float* positions, Ahead& ahead, float* triangle_q) {
+  for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes) {
+    ahead.step();
+    for (uint32_t i = 0; i < kTriangleLanes; i += kWidth) {
+      const Edges edges(positions, corner + 3 * (group + i));
+      Lanes q[kLayers];
+      for (uint32_t l = 0; l < kLayers; ++l) {
+        if (l >= pass.count)
+          q[l] = all(0.0f);
+        else if constexpr (kDirectional)
+          q[l] = clampedQ<Directional>(edges, pass.coefficients[l] + Directional::kCoefficients * group + i,
+                                       inverse_scale2);
+        else
+          q[l] =
+              clampedQ(pass.measures[l], edges,
+                       pass.coefficients[l] + coefficientCount(pass.measures[l]) * group + i, inverse_scale2);
+      }
+      storeSideBySide(q, triangle_q + kLayers * (group + i));
     }
-    for (uint32_t l = 0; l < pass.count; ++l)
-      withMeasure(pass.measures[l], [&](auto measured) HWY_ATTR {
-        const float*& coefficients = pass.coefficients[l];
-        for (uint32_t group = 0; group < count; group += kTriangleLanes) {
-          for (uint32_t i = 0; i < kTriangleLanes; i += kWidth)
-            store(clampedQ<decltype(measured)>(edges.at(group + i), coefficients + i, inverse_scale2),
-                  q[l] + group + i);
-          coefficients += measured.kCoefficients * kTriangleLanes;
-        }
-      });
-    packs(pass.count, [&](uint32_t begin, auto layers) HWY_ATTR {
-      float* out = triangle_q + size_t{begin} * c.triangles + layers * size_t{first};
-      for (uint32_t i = 0; i < count; i += kWidth)
-        storeSideBySide<layers>(q[begin] + i, kBlock, out + layers * i);
-    });
   }
 }
 
@@ -565,9 +508,9 @@ HWY_INLINE void divide(const uint16_t* totals, uint32_t points, float* q) {
   }
 }
 
-// q of the layers from `first` that the cluster measures, of its vertices, in one row each.
-HWY_INLINE void measureLayers(const ClusterFrameJob& job, const Cluster& c, uint32_t first, Ahead& ahead,
-                              const ClusterScratch& scratch) {
+// q of the layers of a pass that the cluster measures, of its vertices: a row each, and how many rows.
+HWY_INLINE uint32_t measureLayers(const ClusterFrameJob& job, const Cluster& c, uint32_t first, Ahead& ahead,
+                                  const ClusterScratch& scratch) {
   const Clusters& clusters = *job.clusters;
   const AssetView& asset = *clusters.asset;
   const uint32_t* words = clusters.words.data();
@@ -580,59 +523,66 @@ HWY_INLINE void measureLayers(const ClusterFrameJob& job, const Cluster& c, uint
     const auto* coefficients =
         reinterpret_cast<const float*>(words + clusters.layer_words[index * asset.layerCount() + l]);
     totals[pass.count] = coefficients + size_t{c.triangles} * coefficientCount(measure);
+    pass.directional = pass.directional && measure == Measure::kDirectional;
     pass.measures[pass.count] = measure;
     pass.coefficients[pass.count++] = coefficients;
   }
-  if (pass.count == 0) return;
-  const auto* corner = reinterpret_cast<const uint16_t*>(words + c.corners);
-  const Lanes inverse_scale2 = all(1.0f / (job.scale * job.scale));
-  if (pass.count == 1)
-    withMeasure(pass.measures[0], [&](auto measured) HWY_ATTR {
-      measureAlone<decltype(measured)>(c, corner, pass.coefficients[0], inverse_scale2, scratch.positions,
-                                       ahead, scratch.triangle_q);
-    });
+  const auto run = [&](auto layers) HWY_ATTR {
+    const auto* corner = reinterpret_cast<const uint16_t*>(words + c.corners);
+    const Lanes inverse_scale2 = all(1.0f / (job.scale * job.scale));
+    if (pass.directional)
+      measure<layers, true>(c, corner, pass, inverse_scale2, scratch.positions, ahead, scratch.triangle_q);
+    else
+      measure<layers, false>(c, corner, pass, inverse_scale2, scratch.positions, ahead, scratch.triangle_q);
+    smooth<layers>(c, words, scratch.triangle_q, ahead, scratch.q, scratch.padded);
+  };
+  if (pass.count == 0)
+    return 0;
+  else if (pass.count == 1)
+    run(std::integral_constant<uint32_t, 1>());
+  else if (pass.count == 2)
+    run(std::integral_constant<uint32_t, 2>());
+  else if (pass.count <= 4)
+    run(std::integral_constant<uint32_t, 4>());
   else
-    measureTogether(c, corner, pass, inverse_scale2, scratch.positions, ahead, scratch.triangle_q);
-  packs(pass.count, [&](uint32_t begin, auto layers) HWY_ATTR {
-    smooth<layers>(c, words, scratch.triangle_q + size_t{begin} * c.triangles, ahead,
-                   scratch.q + begin * scratch.padded, scratch.padded);
-  });
+    run(std::integral_constant<uint32_t, kPass>());
   const auto* extra = reinterpret_cast<const uint16_t*>(words + c.extra_point);
   for (uint32_t l = 0; l < pass.count; ++l) {
     float* q = scratch.q + l * scratch.padded;
     divide(reinterpret_cast<const uint16_t*>(totals[l]), c.points, q);
     for (uint32_t i = c.points; i < c.vertices; ++i) q[i] = q[extra[i - c.points]];
   }
+  return pass.count;
 }
 
-// One half of the weights of a pair of layers. The rows of q are those of the layers that the cluster
-// measures; the first row after them is free for the others.
-void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, const ClusterScratch& scratch) {
-  const Clusters& clusters = *job.clusters;
-  const Layer& layer = clusters.asset->layers[l];
-  const uint32_t* vertex = &clusters.words[c.slot_vertex];
+// One half of the weights of a pair of layers.
+void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, const float* q, float* bias,
+                  uint32_t* pairs) {
+  const Layer& layer = job.clusters->asset->layers[l];
+  const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
   if (!(job.active_layers >> l & 1u)) {
-    if (l % 2 == 0) std::fill_n(scratch.pairs, c.vertices, 0u);
+    if (l % 2 == 0) std::fill_n(pairs, c.vertices, 0u);
     return;
   }
-  const uint32_t layers = measuredLayers(job, c);
-  const bool measured = layers >> l & 1u;
-  const uint32_t pass = layers >> (l / kPass * kPass) & ((1u << kPass) - 1);
-  float* q = scratch.q + std::popcount(measured ? pass & ((1u << l % kPass) - 1) : pass) * scratch.padded;
-  if (!measured) std::fill_n(q, c.vertices, 1.0f);
   if (layer.bias.empty())
-    std::fill_n(scratch.bias, c.vertices, 0.0f);
+    std::fill_n(bias, c.vertices, 0.0f);
   else
     for (uint32_t i = 0; i < c.vertices; ++i)
-      scratch.bias[i] = static_cast<float>(layer.bias[vertex[i]]) * (1.0f / 32767.0f);
-  respondPairs(job.responses.empty() ? layer.response : job.responses[l], q, scratch.bias,
-               job.region_weights.empty() ? 0.0f : job.region_weights[l], c.vertices, l % 2 != 0,
-               scratch.pairs);
+      bias[i] = static_cast<float>(layer.bias[vertex[i]]) * (1.0f / 32767.0f);
+  respondPairs(job.responses.empty() ? layer.response : job.responses[l], q, bias,
+               job.region_weights.empty() ? 0.0f : job.region_weights[l], c.vertices, l % 2 != 0, pairs);
 }
 
-HWY_INLINE void storePairs(const uint32_t* vertex, const uint32_t* pairs, uint32_t count, int16_t* weights,
-                           size_t stride) {
-  for (uint32_t i = 0; i < count; ++i) std::memcpy(weights + vertex[i] * stride, pairs + i, sizeof(uint32_t));
+// Rows of pairs side by side, a vertex.
+HWY_INLINE void storePairs(const uint32_t* vertex, uint32_t count, const uint32_t* pairs, uint32_t rows,
+                           size_t padded, int16_t* weights, size_t stride) {
+  for (; rows >= 2; rows -= 2, pairs += 2 * padded, weights += 4)
+    for (uint32_t i = 0; i < count; ++i) {
+      const uint32_t two[] = {pairs[i], pairs[padded + i]};
+      std::memcpy(weights + vertex[i] * stride, two, sizeof two);
+    }
+  for (uint32_t i = 0; rows > 0 && i < count; ++i)
+    std::memcpy(weights + vertex[i] * stride, pairs + i, sizeof(uint32_t));
 }
 
 }  // namespace
@@ -654,12 +604,20 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
       for (uint32_t s = 0; s < c.vertices; ++s)
         std::memcpy(&job.positions[vertex[s]], scratch.positions + 4 * size_t{s}, sizeof(Float3));
   }
-  const uint32_t layers = asset.layerCount();
-  const size_t stride = asset.weightStride();
-  for (uint32_t l = 0; l < layers; l += 2) {
-    if (l % kPass == 0) measureLayers(job, c, l, ahead, scratch);
-    for (uint32_t k = l; k < std::min(l + 2, layers); ++k) respondLayer(job, c, k, scratch);
-    storePairs(vertex, scratch.pairs, c.vertices, &job.weights[l], stride);
+  for (uint32_t first = 0; first < asset.layerCount(); first += kPass) {
+    const uint32_t count = std::min(kPass, asset.layerCount() - first);
+    const uint32_t measured = measureLayers(job, c, first, ahead, scratch);
+    float* unmeasured = scratch.q + measured * scratch.padded;
+    if (measured < count) std::fill_n(unmeasured, c.vertices, 1.0f);
+    float* q = scratch.q;
+    for (uint32_t l = 0; l < count; ++l) {
+      const bool covered = measuredLayers(job, c) >> (first + l) & 1u;
+      respondLayer(job, c, first + l, covered ? q : unmeasured, scratch.bias,
+                   scratch.pairs + l / 2 * scratch.padded);
+      if (covered) q += scratch.padded;
+    }
+    storePairs(vertex, c.vertices, scratch.pairs, (count + 1) / 2, scratch.padded, &job.weights[first],
+               asset.weightStride());
   }
 }
 

@@ -27,9 +27,9 @@ struct ClusterScratch {
   float* triangle_q;  // a row a layer of a pass
   float* q;           // a row of `padded` a layer of a pass
   float* bias;        // `padded`
-  uint32_t* pairs;    // `padded`: weights of two layers
+  uint32_t* pairs;    // a row of `padded` a pair of layers of a pass: their weights
 };
-inline constexpr uint32_t kPass = 8;  // layers that share their triangles' edges and their rings' gathers
+inline constexpr uint32_t kMostInPass = 8;  // layers that share their triangles' edges and their rings' gathers
 
 // Cuts `memory` up; a cluster takes the bytes that the second form tells.
 ClusterScratch scratchOf(const Cluster& cluster, uint32_t layers, std::byte* memory);

@@ -304,16 +304,20 @@ size_t padded(size_t count, size_t to) {
   return (count + to - 1) / to * to;
 }
 
-// Layers are measured side by side in powers of two.
-size_t rows(uint32_t layers) {
-  return std::bit_ceil(std::min(layers, kPass));
+// Layers lie side by side in powers of two.
+size_t layerRows(uint32_t layers) {
+  return std::bit_ceil(std::min(layers, kMostInPass));
+}
+
+size_t pairRows(uint32_t layers) {
+  return (std::min(layers, kMostInPass) + 1) / 2;
 }
 
 }  // namespace
 
 size_t scratchBytes(const Cluster& c, uint32_t layers) {
-  return sizeof(float) * (4 * padded(c.slots, kPoseLanes) + rows(layers) * c.triangles +
-                          (rows(layers) + 2) * padded(c.vertices, kVertexPad));
+  return sizeof(float) * (4 * padded(c.slots, kPoseLanes) + layerRows(layers) * c.triangles +
+                          (layerRows(layers) + 1 + pairRows(layers)) * padded(c.vertices, kVertexPad));
 }
 
 ClusterScratch scratchOf(const Cluster& c, uint32_t layers, std::byte* memory) {
@@ -321,8 +325,8 @@ ClusterScratch scratchOf(const Cluster& c, uint32_t layers, std::byte* memory) {
   s.padded = padded(c.vertices, kVertexPad);
   s.positions = reinterpret_cast<float*>(memory);
   s.triangle_q = s.positions + 4 * padded(c.slots, kPoseLanes);
-  s.q = s.triangle_q + rows(layers) * c.triangles;
-  s.bias = s.q + rows(layers) * s.padded;
+  s.q = s.triangle_q + layerRows(layers) * c.triangles;
+  s.bias = s.q + layerRows(layers) * s.padded;
   s.pairs = reinterpret_cast<uint32_t*>(s.bias + s.padded);
   return s;
 }

@@ -62,9 +62,16 @@ HWY_INLINE Team teamOf(float x) {
 HWY_INLINE Team clamped(const Team& a, float low, float high) {
   return teamOf([&](uint32_t i) HWY_ATTR { return hn::Min(hn::Max(a.v[i], all(low)), all(high)); });
 }
-// Where x >= 0, `yes`, else `no`.
+HWY_INLINE Team magnitude(const Team& a) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return hn::Abs(a.v[i]); });
+}
+// `yes` where x has no sign, else `no`.
 HWY_INLINE Team select(const Team& x, const Team& yes, const Team& no) {
-  return teamOf([&](uint32_t i) HWY_ATTR { return ifNotNegative(x.v[i], yes.v[i], no.v[i]); });
+  return teamOf([&](uint32_t i) HWY_ATTR { return hn::IfNegativeThenElse(x.v[i], no.v[i], yes.v[i]); });
+}
+// a >= 0 with the sign of b.
+HWY_INLINE Team signedAs(const Team& a, const Team& b) {
+  return teamOf([&](uint32_t i) HWY_ATTR { return hn::CopySignToAbs(a.v[i], b.v[i]); });
 }
 
 using DInt = hn::RebindToSigned<D>;
@@ -80,27 +87,27 @@ HWY_INLINE Team log2(const Team& x) {
   }
   const Team t = (mantissa - teamOf(1.0f)) / (mantissa + teamOf(1.0f));
   const Team t2 = t * t;
-  Team series = teamOf(kLog2Series[4]);
-  for (int i = 3; i >= 0; --i) series = teamOf(kLog2Series[i]) + t2 * series;
+  Team series = teamOf(kLog2Series[2]);
+  for (int i = 1; i >= 0; --i) series = teamOf(kLog2Series[i]) + t2 * series;
   return exponent + t * series;
 }
 
+// kRounderBits need not be taken from what is shifted out.
 HWY_INLINE Team exp2(const Team& x) {
   const DInt d;
-  const Team y = clamped(x, -126.0f, 126.0f);
+  const Team y = clamped(x, 0.0f, 126.0f);
   const Team shifted = y + teamOf(kRounder);
   const Team f = y - (shifted - teamOf(kRounder));
-  Team series = teamOf(kExp2Series[7]);
-  for (int i = 6; i >= 0; --i) series = teamOf(kExp2Series[i]) + f * series;
+  Team series = teamOf(kExp2Series[5]);
+  for (int i = 4; i >= 0; --i) series = teamOf(kExp2Series[i]) + f * series;
   return teamOf([&](uint32_t i) HWY_ATTR {
-    const auto exponent = hn::BitCast(d, shifted.v[i]) - hn::Set(d, kRounderBits);
-    return hn::BitCast(D(), hn::BitCast(d, series.v[i]) + hn::ShiftLeft<23>(exponent));
+    const auto exponent = hn::ShiftLeft<23>(hn::BitCast(d, shifted.v[i]));
+    return hn::BitCast(D(), hn::BitCast(d, series.v[i]) + exponent);
   });
 }
 
 HWY_INLINE Team intensity(const Team& log_alpha, const Team& log_lambda, const Team& beta) {
-  const Team rising = teamOf(1.0f) - teamOf(2.0f) / (teamOf(1.0f) + exp2(beta * (log_alpha - log_lambda)));
-  return teamOf([&](uint32_t i) HWY_ATTR { return hn::Max(hn::Zero(D()), rising.v[i]); });
+  return teamOf(1.0f) - teamOf(2.0f) / (teamOf(1.0f) + exp2(beta * (log_alpha - log_lambda)));
 }
 
 HWY_INLINE Team answer(const OatCurve&, const Team& q) {
@@ -113,10 +120,10 @@ HWY_INLINE Team answer(const LarssonCurve& c, const Team& q) {
 }
 HWY_INLINE Team answer(const OneSidedLarssonCurve& c, const Team& q) {
   const Team log_alpha = -log2(q);
-  const Team weight = intensity(select(log_alpha, log_alpha, -log_alpha),
-                                select(log_alpha, teamOf(c.log_lambda), teamOf(c.log_stretch_lambda)),
-                                select(log_alpha, teamOf(c.beta), teamOf(c.stretch_beta)));
-  return select(log_alpha, weight, -weight);
+  const Team weight =
+      intensity(magnitude(log_alpha), select(log_alpha, teamOf(c.log_lambda), teamOf(c.log_stretch_lambda)),
+                select(log_alpha, teamOf(c.beta), teamOf(c.stretch_beta)));
+  return signedAs(weight, log_alpha);
 }
 
 template <bool kSecond, typename Curve>
@@ -131,7 +138,7 @@ HWY_INLINE void respondVertices(const Curve& curve, const float* q, const float*
     const Team rounded = w * teamOf(32767.0f) + teamOf(kRounder);
     auto* out = reinterpret_cast<int32_t*>(pairs) + first;
     for (uint32_t i = 0; i < kTeam; ++i, out += kWidth) {
-      const auto bits = hn::BitCast(d, rounded.v[i]) - hn::Set(d, kRounderBits);
+      const auto bits = hn::BitCast(d, rounded.v[i]);  // of which kRounderBits leave the lower half alone
       if constexpr (kSecond)
         hn::StoreU(hn::LoadU(d, out) | hn::ShiftLeft<16>(bits), d, out);
       else
