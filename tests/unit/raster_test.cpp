@@ -271,6 +271,54 @@ TEST(Raster, InterpolatesInPerspective) {
   }
 }
 
+// Which samples a triangle through the near plane covers, and what they show, by the rays through them: a
+// plane that is off by 0.1 % moves its edge by a pixel here.
+TEST(Raster, TheNearPlaneCutsWhereItIs) {
+  constexpr uint32_t kWidth = 256, kHeight = 4096;
+  constexpr double kUp = 0.5, kFar = 40.0, kLeft = -0.6, kLeftZ = 6.0, kRight = 0.9, kRightZ = 9.0;
+  Scene scene;
+  scene.add({0, 0, -static_cast<float>(kFar)}, {static_cast<float>(kLeft), 0, static_cast<float>(kLeftZ)},
+            {static_cast<float>(kRight), 0, static_cast<float>(kRightZ)});
+  for (size_t v = 0; v < 3; ++v) scene.colors[v] = {scene.positions[v].x, scene.positions[v].z, 1.0f};
+  RasterJob job = scene.job(kWidth, kHeight, 1);
+  usePlaneView(job, static_cast<float>(kUp), 0.0f);
+  scene.run(job);
+  const auto placeOf = [](double x, double y) {
+    const double distance = kUp / (y / kHeight * 2 - 1);
+    return std::array{(x / kWidth * 2 - 1) * distance, -distance};
+  };
+  const auto inside = [&](double x, double y) {
+    const auto [at, z] = placeOf(x, y);
+    const double along = z + kFar;
+    return z <= -1.0 && z > -kFar && at > kLeft * along / (kLeftZ + kFar) &&
+           at < kRight * along / (kRightZ + kFar);
+  };
+  uint32_t covered = 0, near_edge = 0, unsure = 0;
+  for (uint32_t row = kHeight / 2; row < kHeight; ++row)
+    for (uint32_t column = 0; column < kWidth; ++column) {
+      const double x = column + 0.5, y = row + 0.5, step = 0.02;
+      const bool expected = inside(x, y);
+      if (inside(x - step, y) != expected || inside(x + step, y) != expected ||
+          inside(x, y - step) != expected || inside(x, y + step) != expected) {
+        ++unsure;
+        continue;
+      }
+      const Float4 p = scene.picture[row * kWidth + column];
+      ASSERT_EQ(p.w, expected ? 1.0f : 0.0f) << column << ' ' << row;
+      if (!expected) continue;
+      ++covered;
+      const auto [at, z] = placeOf(x, y);
+      if (z < -1.01) continue;
+      ++near_edge;
+      ASSERT_NEAR(p.x, at, 5e-5) << column << ' ' << row;
+      ASSERT_NEAR(p.y, z, 5e-5) << column << ' ' << row;
+      ASSERT_NEAR(scene.depth[row * kWidth + column], (1001.0 - 2000.0 / -z) / 999.0, 5e-5);
+    }
+  EXPECT_GT(covered, 70'000u);
+  EXPECT_GT(near_edge, 1000u);
+  EXPECT_LT(unsure, 1000u);
+}
+
 TEST(Raster, TheNearestIsSeenInWhateverOrder) {
   // Two slanted walls that cross: left of the middle the red one is nearer.
   const Float3 red = {1, 0, 0}, green = {0, 1, 0};
