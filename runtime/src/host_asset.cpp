@@ -1,9 +1,6 @@
 #include "host_asset.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <numeric>
 
 #include "furrow/skinning.h"
 
