@@ -5,11 +5,24 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include <vector>
+#include <limits>
+#include <string>
 
 namespace furrow::cli {
 
 using Command = std::function<void()>;
+
+// Whether a number can be a float: no NaN, which CLI::Range lets through, and none that becomes infinite.
+inline bool isFloat(double value) {
+  return value >= std::numeric_limits<float>::lowest() && value <= std::numeric_limits<float>::max();
+}
+
+// The same as a check of an option.
+inline std::string requireFloat(const std::string& text) {
+  double value = 0.0;
+  return !CLI::detail::lexical_cast(text, value) || isFloat(value) ? std::string()
+                                                                   : text + " is no number to work with";
+}
 
 // Adds the subcommand to `app`; what it returns runs the command with the parsed options.
 Command addCook(CLI::App& app);

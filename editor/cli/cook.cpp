@@ -143,6 +143,7 @@ Command addCook(CLI::App& app) {
                           "with IN, that is the relaxed mesh, else the first frame is");
   command->add_option("--fps", options->sequence.fps, "Frames a second of the sequence (default 24)")
       ->needs(sequence)
+      ->check(requireFloat)
       ->check(CLI::Range(0.001, 100000.0));
   CLI::Option* out = command->add_option("-o,--output", options->out, "The asset to write");
   CLI::Option* recipe = command->add_option(

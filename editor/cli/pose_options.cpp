@@ -1,11 +1,10 @@
 #include "editor/cli/pose_options.h"
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 
 #include "editor/cli/backend.h"
+#include "editor/cli/commands.h"
 #include "pipeline/error.h"
 #include "pipeline/import/take.h"
 #include "pipeline/recipe/arkit.h"
@@ -25,7 +24,7 @@ std::pair<std::string, double> assignment(const std::string& text, const char* o
   const char* end = text.data() + text.size();
   if (equals != std::string::npos && equals > 0) {
     const auto [stop, error] = std::from_chars(text.data() + equals + 1, end, value);
-    if (error == std::errc() && stop == end && std::isfinite(value)) return {text.substr(0, equals), value};
+    if (error == std::errc() && stop == end && isFloat(value)) return {text.substr(0, equals), value};
   }
   throw Error(Exit::kBadUsage, std::string(option) + " " + text, "is not NAME=NUMBER",
               "write for example " + std::string(option) + " jawOpen=0.5");
@@ -72,13 +71,15 @@ void PoseOptions::add(CLI::App& command) {
       });
   command.add_option("--take", take,
                      "Face shapes over time (CSV as Live Link Face writes it); goes with a clip of the body");
-  command.add_option("--time", time, "Time in the clip and the take in seconds, clamped to them (default 0)");
+  command.add_option("--time", time, "Time in the clip and the take in seconds, clamped to them (default 0)")
+      ->check(requireFloat);
   command.add_option("--morph", morphs, "Weight of a morph target, M=W, by name or number; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--region", regions, "Region weight of a layer, LAYER=W in [-1, 1]; may be repeated")
       ->allow_extra_args(false);
   command
       .add_option("--scale", scale, "Uniform scale of the whole instance that the pose contains (default 1)")
+      ->check(requireFloat)
       ->check(CLI::PositiveNumber);
   command
       .add_option("--backend", backend,

@@ -129,12 +129,17 @@ Command addRender(CLI::App& app) {
       ->add_option(
           "--yaw", options->yaw,
           "Orbit to the side in degrees; 0 shows the front (default: a sheet seen edge-on shows its side)")
+      ->check(requireFloat)
       ->check(CLI::Range(-360.0, 360.0));
-  command->add_option("--pitch", options->pitch, "Orbit upwards in degrees")->check(CLI::Range(-89.0, 89.0));
+  command->add_option("--pitch", options->pitch, "Orbit upwards in degrees")
+      ->check(requireFloat)
+      ->check(CLI::Range(-89.0, 89.0));
   command->add_option("--zoom", options->zoom, "Nearer (above 1) or farther than what fits the picture")
+      ->check(requireFloat)
       ->check(CLI::Range(0.05, 50.0));
   command->add_option("--target", options->target, "X Y Z to look at, in root space (default: the middle)")
-      ->expected(3);
+      ->expected(3)
+      ->check(requireFloat);
   options->pose.add(*command);
   return [options] { run(*options); };
 }

@@ -372,7 +372,12 @@ TEST_F(BadInput, Usage) {
       {"eval", asset, "--backend", "cpu", "--scale", "0"},
       {"eval", asset, "--backend", "cpu", "--scale", "nan"},
       {"eval", asset, "--backend", "cpu", "--scale", "inf"},
+      {"eval", asset, "--backend", "cpu", "--region", "0=1e39"},
+      {"eval", asset, "--backend", "cpu", "--take", source, "--time", "nan"},
       {"eval", asset, "--backend", "abacus"},
+      {"render", asset, "-o", output() / "out.png", "--yaw", "nan"},
+      {"render", asset, "-o", output() / "out.png", "--zoom", "nan"},
+      {"render", asset, "-o", output() / "out.png", "--target", "0", "nan", "0"},
       {"render", asset, "-o", output() / "out.png", "--size", "0x10"},
       {"render", asset, "-o", output() / "out.png", "--size", "big"},
       // Before the asset is opened.
