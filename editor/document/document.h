@@ -50,6 +50,8 @@ class Document {
   // whole or not at all, and the recipe last, so that it never names an image that is not there. Throws
   // pipeline::Error (kEnvironment); the document then stays as it was and stays dirty.
   void save(const std::filesystem::path& file);
+  // The next save writes every image, whatever lies on disk.
+  void overwrite() { written_.clear(); }
   // What lies on disk was read anew and becomes the content, as an edit that needs no saving.
   void reloaded(Content content);
 

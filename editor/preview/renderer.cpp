@@ -15,6 +15,7 @@
 
 #include "editor/preview/cpu_frame.h"
 #include "editor/preview/gl_objects.h"
+#include "editor/preview/gpu_times.h"
 #include "editor/preview/scene_setup.h"
 #include "editor/preview/view_values.h"
 #include "furrow/gl/executor.h"
@@ -55,12 +56,6 @@ void refill(uint32_t buffer, GLenum target, std::span<const T> values) {
   glBufferData(target, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), GL_STREAM_DRAW);
 }
 
-// Anisotropic filtering more than doubles the time of a picture there.
-bool isSoftware() {
-  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return renderer && (std::strstr(renderer, "llvmpipe") || std::strstr(renderer, "softpipe"));
-}
-
 // Null if the texture has no slices: sampling it is then excluded by the material.
 GlObject makeTexture(const Texture& texture) {
   if (texture.slices == 0) return {};
@@ -91,7 +86,8 @@ GlObject makeTexture(const Texture& texture) {
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_REPEAT);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_REPEAT);
-  if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") && !isSoftware())
+  // It more than doubles the time of a picture there.
+  if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") && !isSoftwareGl())
     glTexParameterf(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
   return object;
 }
@@ -152,12 +148,18 @@ class GpuFrame {
 
   // Fails where the context was lost.
   Status run(const FrameInput& input, StageTimes* times, PosedBuffers& out) {
-    StageClock clock(times);
+    GpuTimes clock(times);
     Status status = executor_.upload(input);
-    if (status.ok()) status = executor_.run();
+    clock.end("upload");
+    if (status.ok())
+      status = executor_.run({}, [&](const Item& item) {
+        constexpr std::string_view kPrefix = "furrow ";
+        std::string_view name = item.label;
+        if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
+        clock.end(name);
+      });
     if (!status.ok()) return status;
-    if (times) glFinish();
-    clock.end("weights");
+    clock.read();
     out = {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
            executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
     return {};
@@ -496,7 +498,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) t
   if (options.times) options.times->clear();
   PosedBuffers posed{};
   if (const Status status = s.pose(input, options, tier_, asked_, posed); !status.ok()) lose(status.message);
-  StageClock clock(options.times);
+  GpuTimes clock(options.times);
   s.bindSurface(posed);
   s.bindValues(input, options);
   s.fillScene(options);
@@ -519,8 +521,8 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) t
   s.drawParts(options);
   if (options.view == View::kDirection) s.drawStrokes(options);
   const uint32_t texture = s.target->resolve();
-  if (options.times) glFinish();
   clock.end("draw");
+  clock.read();
   glDisable(GL_FRAMEBUFFER_SRGB);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glBindVertexArray(0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// How long the stages of a picture take, on the CPU's clock.
+// How long the stages of a picture take.
 
 #include <chrono>
 #include <string_view>
@@ -14,7 +14,17 @@ struct StageTime {
 };
 using StageTimes = std::vector<StageTime>;
 
-// Adds the time since the last call to the stage of this name. With no times to fill it does nothing.
+inline void addTime(StageTimes& times, std::string_view name, double milliseconds) {
+  for (StageTime& stage : times)
+    if (stage.name == name) {
+      stage.milliseconds += milliseconds;
+      return;
+    }
+  times.push_back({name, milliseconds});
+}
+
+// On the CPU's clock: adds the time since the last call to the stage of this name. With no times to fill it
+// does nothing.
 class StageClock {
  public:
   explicit StageClock(StageTimes* times) : times_(times) {}
@@ -24,12 +34,7 @@ class StageClock {
     const auto now = std::chrono::steady_clock::now();
     const double spent = std::chrono::duration<double, std::milli>(now - begin_).count();
     begin_ = now;
-    for (StageTime& stage : *times_)
-      if (stage.name == name) {
-        stage.milliseconds += spent;
-        return;
-      }
-    times_->push_back({name, spent});
+    addTime(*times_, name, spent);
   }
 
  private:

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLookEvery = 0.25;  // seconds
+constexpr double kLookEvery = 0.1;  // seconds
 constexpr size_t kMostMessages = 500;
 constexpr const char* kSourceKinds[] = {".glb", ".gltf", ".obj", ".ply", ".stl", ".off"};
 
@@ -192,7 +192,10 @@ void Session::lookAtFiles() {
         reload();
     } else if (document.content().images.contains(file)) {
       // Painted here and saved: what another program makes of it is what counts from now on.
-      if (document.dirty()) continue;
+      if (document.dirty()) {
+        conflict_ = true;
+        continue;
+      }
       Content content = document.content();
       content.images.erase(file);
       document.reloaded(std::move(content));
@@ -214,6 +217,11 @@ void Session::reload() {
     error_ = error.what();
     tell(Message::Kind::kError, error.what());
   }
+}
+
+void Session::keep() {
+  conflict_ = false;
+  document.overwrite();
 }
 
 std::vector<Response> Session::responses(const Shown& of) const {

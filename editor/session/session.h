@@ -63,10 +63,11 @@ class Session {
 
   void save(const std::filesystem::path& recipe);  // of the document; faults are messages
   void cookTo(const std::filesystem::path& asset);
-  // The recipe changed on disk while edits were not saved; reload() drops them.
+  // The recipe or a painted image changed on disk while edits were not saved; reload() drops them (they can
+  // be had back with undo), keep() lets the next save replace the files.
   bool conflict() const { return conflict_; }
   void reload();
-  void keep() { conflict_ = false; }
+  void keep();
 
   const std::vector<Message>& messages() const { return messages_; }
   void tell(Message::Kind kind, const std::string& text);

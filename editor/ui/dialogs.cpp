@@ -186,17 +186,19 @@ void drawLeaving(State& state) {
 }
 
 void drawConflict(State& state) {
-  if (!state.session.conflict() || !beginModal("The recipe changed on disk", 32.0f, 0.0f)) return;
-  ImGui::TextWrapped("%s was changed by another program, and there are edits here that are not saved.",
-                     state.session.document.file().filename().string().c_str());
+  if (!state.session.conflict() || !beginModal("Changed on disk", 32.0f, 0.0f)) return;
+  ImGui::TextWrapped(
+      "%s or an image painted for it was changed by another program, and there are edits here that are not "
+      "saved.",
+      state.session.document.file().filename().string().c_str());
   ImGui::Spacing();
-  if (button("conflict.reload", "Take the file", "Reads the file; the edits can be had back with Undo", true,
-             9.0f * em())) {
+  if (button("conflict.reload", "Take the files", "Reads the files; the edits can be had back with Undo",
+             true, 9.0f * em())) {
     state.session.reload();
     ImGui::CloseCurrentPopup();
   }
   ImGui::SameLine();
-  if (button("conflict.keep", "Keep the edits", "The file is replaced when you save", true, 9.0f * em())) {
+  if (button("conflict.keep", "Keep the edits", "The files are replaced when you save", true, 9.0f * em())) {
     state.session.keep();
     ImGui::CloseCurrentPopup();
   }

@@ -25,6 +25,8 @@ class Editor {
   void drop(const std::filesystem::path& file);
   void askToQuit();
   bool quit() const { return state_.quit; }
+  // After preview::ContextLost: frame() needs another context.
+  void contextLost() { viewport_.contextLost(); }
   bool working() const { return state_.session.cooking() || share_.running() || samples_.making(); }
   // Whether pictures change without any event: a window must not sleep.
   bool busy() const;

@@ -124,6 +124,8 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     drawn.failed = false;
     return texture_;
   } catch (const preview::ContextLost&) {
+    texture_ = 0;
+    key_ = 0;
     throw;  // nothing else can be drawn either
   } catch (const pipeline::Error& error) {
     drawn.failed = true;
@@ -198,6 +200,11 @@ Viewport::~Viewport() = default;
 void Viewport::release() {
   for (Pane& pane : panes_) pane.release();
   paint_->forget();
+}
+
+// The first pane's renderer knows, and goes on with the next tier.
+void Viewport::contextLost() {
+  panes_[1].release();
 }
 
 void Viewport::fit(State& state, const preview::PosedFrame& frame, std::span<const Float3> positions) {

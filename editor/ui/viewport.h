@@ -65,6 +65,7 @@ class Viewport {
   void frameLayer(State& state, const preview::PosedFrame& frame);  // where the selected layer reaches
   float aspect() const { return aspect_; }
   void release();
+  void contextLost();
 
  private:
   void moveCamera(State& state, ImVec2 size, bool hovered);

@@ -26,7 +26,7 @@ using pipeline::Exit;
 static_assert(ui::key::kEscape == GLFW_KEY_ESCAPE && ui::key::kPageDown == GLFW_KEY_PAGE_DOWN &&
               ui::key::kF1 == GLFW_KEY_F1 && ui::key::kSpace == GLFW_KEY_SPACE);
 
-constexpr double kIdle = 0.25;  // seconds between frames where nothing happens
+constexpr double kIdle = 0.1;  // seconds between frames where nothing happens
 
 struct Options {
   std::string file, recipe, script, frames = ".", size, tier;
@@ -64,7 +64,12 @@ class Window {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
     window_ = glfwCreateWindow(width, height, "furrow", nullptr, nullptr);
+    if (!window_) {  // a driver that cannot tell of a reset
+      glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_NO_ROBUSTNESS);
+      window_ = glfwCreateWindow(width, height, "furrow", nullptr, nullptr);
+    }
     if (!window_) {
       glfwTerminate();
       throw Error(Exit::kEnvironment, "display",
@@ -160,27 +165,61 @@ void runHeadless(const Options& options, Settings& settings) {
   ui::runScript(text, options.script, editor, screen.screen(), options.frames);
 }
 
-void runWindow(const Options& options, Settings& settings) {
-  if (!options.size.empty()) parseSize(options.size, settings.width, settings.height);
-  Window window(settings.width, settings.height);
-  float scale = 0.0f;
-  Session session;
-  ui::Editor editor(session, settings);
-  if (options.scale > 0.0f) editor.state().scale = options.scale;
-  const auto rescale = [&] {
-    editor.state().screen_scale = window.scale();
-    const float wanted = editor.state().scale > 0.0f ? editor.state().scale : window.scale();
-    if (wanted == scale) return;
-    scale = wanted;
-    ui::applyTheme(scale);
+// The editor in a window, which is made anew when the driver takes its context away.
+class Desktop {
+ public:
+  Desktop(const Options& options, Settings& settings)
+      : settings_(settings),
+        window_(std::in_place, settings.width, settings.height),
+        editor(session, settings) {
+    if (options.scale > 0.0f) editor.state().scale = options.scale;
+    appear();
+  }
+
+  Window& window() { return *window_; }
+
+  void rescale() {
+    editor.state().screen_scale = window_->scale();
+    const float wanted = editor.state().scale > 0.0f ? editor.state().scale : window_->scale();
+    if (wanted == scale_) return;
+    scale_ = wanted;
+    ui::applyTheme(scale_);
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
-  };
-  rescale();
-  glfwSetWindowUserPointer(window.handle(), &editor);
-  glfwSetDropCallback(window.handle(), [](GLFWwindow* dropped, int count, const char** files) {
-    if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->drop(files[0]);
-  });
+  }
+
+  void remake(const preview::ContextLost& lost) {
+    session.tell(Message::Kind::kWarning, lost.what());
+    editor.contextLost();
+    window_.reset();
+    window_.emplace(settings_.width, settings_.height);
+    appear();
+  }
+
+ private:
+  void appear() {
+    scale_ = 0.0f;
+    rescale();
+    glfwSetWindowUserPointer(window_->handle(), &editor);
+    glfwSetDropCallback(window_->handle(), [](GLFWwindow* dropped, int count, const char** files) {
+      if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->drop(files[0]);
+    });
+  }
+
+  Settings& settings_;
+  std::optional<Window> window_;
+  float scale_ = 0.0f;
+
+ public:
+  Session session;
+  ui::Editor editor;  // after the window: it holds what is of the window's context
+};
+
+void runWindow(const Options& options, Settings& settings) {
+  if (!options.size.empty()) parseSize(options.size, settings.width, settings.height);
+  Desktop desktop(options, settings);
+  Session& session = desktop.session;
+  ui::Editor& editor = desktop.editor;
   start(editor, session, options);
 
   if (!options.script.empty()) {
@@ -191,7 +230,7 @@ void runWindow(const Options& options, Settings& settings) {
       const ImVec2 pointer = io.MousePos;
       const bool buttons[3] = {io.MouseDown[0], io.MouseDown[1], io.MouseDown[2]};
       const bool ctrl = io.KeyCtrl, shift = io.KeyShift, alt = io.KeyAlt;
-      window.begin(true);
+      desktop.window().begin(true);
       io.MousePos = pointer;
       std::copy(buttons, buttons + 3, io.MouseDown);
       io.KeyCtrl = ctrl;
@@ -202,9 +241,9 @@ void runWindow(const Options& options, Settings& settings) {
     };
     pipeline::Image last;
     screen.end = [&] {
-      window.end();
-      last = window.picture();
-      glfwSwapBuffers(window.handle());
+      desktop.window().end();
+      last = desktop.window().picture();
+      glfwSwapBuffers(desktop.window().handle());
     };
     screen.picture = [&] { return last; };
     ui::runScript(readText(options.script), options.script, editor, screen, options.frames);
@@ -218,23 +257,31 @@ void runWindow(const Options& options, Settings& settings) {
       glfwPollEvents();
     else
       glfwWaitEventsTimeout(kIdle);
-    if (glfwWindowShouldClose(window.handle())) {
-      glfwSetWindowShouldClose(window.handle(), GLFW_FALSE);
+    GLFWwindow* handle = desktop.window().handle();
+    if (glfwWindowShouldClose(handle)) {
+      glfwSetWindowShouldClose(handle, GLFW_FALSE);
       editor.askToQuit();
     }
-    rescale();
+    desktop.rescale();
     const double now = glfwGetTime();
-    window.begin(false);
+    desktop.window().begin(false);
     ImGui::NewFrame();
-    editor.frame(now - before);
-    window.end();
-    glfwSwapBuffers(window.handle());
+    try {
+      editor.frame(now - before);
+    } catch (const preview::ContextLost& lost) {
+      desktop.remake(lost);
+      before = glfwGetTime();
+      title.clear();
+      continue;
+    }
+    desktop.window().end();
+    glfwSwapBuffers(handle);
     before = now;
     if (editor.title() != title) {
       title = editor.title();
-      glfwSetWindowTitle(window.handle(), title.c_str());
+      glfwSetWindowTitle(handle, title.c_str());
     }
-    glfwGetWindowSize(window.handle(), &settings.width, &settings.height);
+    glfwGetWindowSize(handle, &settings.width, &settings.height);
   }
 }
 

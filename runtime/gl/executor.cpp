@@ -310,7 +310,7 @@ void Executor::upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t 
                   bytes.data());
 }
 
-Status Executor::run(std::span<const uint32_t> instances) {
+Status Executor::run(std::span<const uint32_t> instances, const Recorded& recorded) {
   State& s = *state_;
   if (Status status = s.checkContext(); !status.ok()) return status;
   const bool clustered = s.plan->options().form == Form::kClustered;
@@ -351,6 +351,7 @@ Status Executor::run(std::span<const uint32_t> instances) {
         break;
     }
     if (s.debug) glPopDebugGroup();
+    if (recorded) recorded(item);
   }
   if (s.raster()) {
     glActiveTexture(GL_TEXTURE0);

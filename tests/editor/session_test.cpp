@@ -272,6 +272,40 @@ TEST_F(SessionTest, WhatChangesOnDiskIsSeen) {
   EXPECT_NE(session.shown(), before);
 }
 
+TEST_F(SessionTest, APaintedImageThatChangesOnDiskIsAskedAboutWhileThereAreEdits) {
+  const fs::path source = write("sheet.glb", editorSheet()), image = folder() / "sheet_lines_bias.png";
+  write("sheet.json", kEditorRecipe);
+  const auto filled = [](float value) { return pipeline::Image{8, 8, 1, std::vector<float>(64, value)}; };
+  Session session;
+  session.open(source);
+  settle(session);
+  edit(session, "Paint bias", [&](pipeline::Recipe& recipe) {
+    recipe.layers[0].bias = pipeline::Bias{{}, 0, 0.5, image};
+  });
+  Content content = session.document.content();
+  content.images[image] = std::make_shared<pipeline::ByteImage>(pipeline::toBytes(filled(1.0f)));
+  session.document.apply(std::move(content), "Paint bias");
+  session.save(session.document.file());
+  settle(session);
+  const auto others = [&] {
+    edit(session, "beta", [](pipeline::Recipe& recipe) { recipe.layers[0].response.beta += 1.0f; });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    pipeline::writeImage(image, filled(0.2f));
+    settle(session);
+    EXPECT_TRUE(session.conflict());
+  };
+  others();
+  session.keep();
+  session.save(session.document.file());
+  EXPECT_EQ(pipeline::readByteImage(image).pixels[0], 255);
+  settle(session);
+  others();
+  session.reload();
+  EXPECT_FALSE(session.document.dirty());
+  EXPECT_TRUE(session.document.content().images.empty());
+  EXPECT_EQ(pipeline::readByteImage(image).pixels[0], 51);
+}
+
 TEST_F(SessionTest, OwnSavesAreNoChange) {
   const fs::path source = write("sheet.glb", editorSheet());
   write("sheet.json", kEditorRecipe);

@@ -295,6 +295,33 @@ TEST_F(RendererTest, PaintedMaskAndBiasReachTheLitSurface) {
   EXPECT_EQ(largestDifference(stored, render(renderer, options)), 0.0f);
 }
 
+TEST_F(RendererTest, EveryStageOfEveryTierIsTimed) {
+  const BallAsset ball;
+  preview::Renderer renderer(ball.view());
+  const std::map<Tier, std::vector<std::string>> stages = {
+      {Tier::kGpu, {"upload", "draw"}},
+      {Tier::kGpuRaster, {"upload", "deform", "measure", "respond", "draw"}},
+      {Tier::kCpu, {"deform", "compress", "smooth", "respond", "upload", "draw"}}};
+  for (const auto& [tier, names] : stages) {
+    RenderOptions options = optionsFor(View::kBeauty);
+    options.tier = tier;
+    preview::StageTimes times;
+    options.times = &times;
+    render(renderer, options);
+    double sum = 0.0;
+    std::string said;
+    for (const preview::StageTime& stage : times) {
+      EXPECT_GE(stage.milliseconds, 0.0) << stage.name;
+      sum += stage.milliseconds;
+      said += std::string(stage.name) + " " + std::to_string(stage.milliseconds) + "  ";
+    }
+    std::printf("%s: %s ms\n", furrow::gl::tierName(tier), said.c_str());
+    EXPECT_GT(sum, 0.0);
+    for (const std::string& name : names) EXPECT_NE(said.find(name + " "), std::string::npos) << said;
+    EXPECT_GT(times.size(), 2u) << said;  // more than what is around them
+  }
+}
+
 TEST_F(RendererTest, MorphViewLightsUpWhatTheMorphMoves) {
   const BallAsset ball;
   preview::Renderer renderer(ball.view());

@@ -3,6 +3,7 @@
 // Runs a frame plan on OpenGL: 4.3 or newer for the compute forms, 3.3 for the raster form. All calls need
 // the same current context; the functions are found through epoxy.
 
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -30,7 +31,9 @@ class Executor {
   // Records every item; does not wait. In the clustered form, for `instances` alone (each at most once);
   // empty: for all. Leaves no program, vertex array and framebuffer bound; the raster form also leaves
   // blending and the rasteriser's discarding off and the viewport changed. kUnavailable as for upload().
-  Status run(std::span<const uint32_t> instances = {});
+  // `recorded` is called behind the commands of every item: for timer queries, say.
+  using Recorded = std::function<void(const Item&)>;
+  Status run(std::span<const uint32_t> instances = {}, const Recorded& recorded = {});
 
   // The host found the context lost: nothing is deleted, and nothing but the destructor may be called.
   void giveUp();
