@@ -88,12 +88,16 @@ void measure(const fs::path& content, const std::string& name, uint32_t size) {
   const auto change = [&](const char* what, const fs::path& file, const std::string& bytes) {
     const std::shared_ptr<Shown> before = session.shown();
     pipeline::writeFile(file, std::as_bytes(std::span(bytes)));
-    const double draft = untilShown(session, before);
+    const double spent = processor();
+    const double draft = untilShown(session, before), draft_spent = processor() - spent;
     const std::shared_ptr<Shown> first = session.shown();
+    const double whole = session.cooking() ? draft + untilShown(session, first) : draft,
+                 whole_spent = processor() - spent;
+    const double begun = processor();
     const double picture = drawn(*first, session.player, size);
-    const double whole = session.cooking() ? draft + picture + untilShown(session, first) : draft;
-    std::printf("  %-20s draft %6.0f ms, its first picture %4.0f ms, whole cook %6.0f ms\n", what, draft,
-                picture, whole);
+    std::printf(
+        "  %-20s draft %.0f ms (%.0f of processors), whole cook %.0f (%.0f), first picture %.0f (%.0f)\n",
+        what, draft, draft_spent, whole, whole_spent, picture, processor() - begun);
     settle();
   };
   // A remark of the cook's own kind: another seed changes every map.
