@@ -2,12 +2,7 @@
 # on small assets.
 cmake_minimum_required(VERSION 3.24)
 
-function(run_well)
-  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE status)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "status ${status}: ${ARGN}\n${out}")
-  endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${SCRATCH})
 run_well(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/thread_sanitizer -B ${SCRATCH}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
