@@ -146,7 +146,7 @@ TEST_F(DemoPicture, ALeaningJacketFoldsAtTheWaist) {
   const std::vector<std::string> lean = {"--clip", "lean", "--time", "1"};
   const Image folded = draw("interpolated", lean), plain = draw("none", lean),
               rest = draw("interpolated", {});
-  const Window waist = {105, 95, 165, 150};
+  const Window waist = {115, 110, 175, 190};
   EXPECT_GT(fineness(folded, waist, true), 2.0 * fineness(plain, waist, true));
   EXPECT_GT(fineness(folded, waist, true), 2.0 * fineness(rest, waist, true));
   expectStored("waist_folded.png", folded, plain);
