@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace furrow::pipeline {
 namespace {
@@ -46,17 +47,30 @@ class Flipper {
   double length(Side side) const { return triangles_[side / 3].lengths[side % 3]; }
   double cotangent(Side side) const { return triangles_[side / 3].cotangent(static_cast<int>(side % 3)); }
 
+  // By the lower of their ends, and among those by the other; the two sides of an edge come in their order.
   void pairSides() {
-    std::vector<std::pair<uint64_t, Side>> sides;  // by their ends
-    for (Side side = 0; side < twin_.size(); ++side) {
-      const uint64_t from = facedBy(next(side)), to = facedBy(next(next(side)));
-      sides.emplace_back(std::min(from, to) << 32 | std::max(from, to), side);
-    }
-    std::ranges::sort(sides);
-    for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-      while (end < sides.size() && sides[end].first == sides[begin].first) ++end;
-      const Side side = sides[begin].second, other = sides[end - 1].second;
-      if (end - begin == 2 && facedBy(next(side)) == facedBy(next(next(other)))) pair(side, other);
+    const auto ends = [&](Side side) {
+      return std::minmax({facedBy(next(side)), facedBy(next(next(side)))});
+    };
+    uint32_t points = 0;
+    for (const IntrinsicTriangle& triangle : triangles_)
+      points = std::max(points, 1 + std::ranges::max(triangle.corners));
+    std::vector<uint32_t> begin(points + 1, 0);
+    for (Side side = 0; side < twin_.size(); ++side) ++begin[ends(side).first + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<Side> sides(twin_.size());
+    std::vector<uint32_t> free(begin.begin(), begin.end() - 1);
+    for (Side side = 0; side < twin_.size(); ++side) sides[free[ends(side).first]++] = side;
+    for (uint32_t point = 0; point < points; ++point) {
+      const auto first = sides.begin() + begin[point], last = sides.begin() + begin[point + 1];
+      std::sort(first, last, [&](Side a, Side b) {
+        const uint32_t to_a = ends(a).second, to_b = ends(b).second;
+        return to_a != to_b ? to_a < to_b : a < b;
+      });
+      for (auto side = first, end = first; side != last; side = end) {
+        while (end != last && ends(*end).second == ends(*side).second) ++end;
+        if (end - side == 2 && facedBy(next(side[0])) == facedBy(next(next(side[1])))) pair(side[0], side[1]);
+      }
     }
   }
 

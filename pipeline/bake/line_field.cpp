@@ -18,6 +18,25 @@ constexpr double kReach = 0.25;    // of the covered surface's size
 constexpr double kMostCot = 10.0;  // of slivers
 constexpr double kUnknown = 1e-6;  // |z| below it is rounding
 
+using EdgeWeights = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+// Half the sum of the cotangents of an edge's two angles, in the upper triangle.
+EdgeWeights cotangentWeights(std::vector<IntrinsicTriangle> triangles, int count) {
+  makeDelaunay(triangles);
+  std::vector<Eigen::Triplet<double>> cotangents;
+  cotangents.reserve(3 * triangles.size());
+  for (const IntrinsicTriangle& triangle : triangles)
+    for (int c = 0; c < 3; ++c) {
+      const auto [low, high] = std::minmax(triangle.corners[(c + 1) % 3], triangle.corners[(c + 2) % 3]);
+      if (low != high)
+        cotangents.push_back({static_cast<int>(low), static_cast<int>(high), 0.5 * triangle.cotangent(c)});
+    }
+  triangles = {};
+  EdgeWeights edges(count, count);
+  edges.setFromTriplets(cotangents.begin(), cotangents.end());
+  return edges;
+}
+
 }  // namespace
 
 LineField::Frame LineField::frameOf(glm::dvec3 n) {
@@ -87,18 +106,7 @@ DirectionField LineField::solve() const {
                                           glm::dvec3(surface_.point_positions[p[(c + 2) % 3]]));
     }
   }
-  makeDelaunay(triangles);
-  // Cotangents of an edge's two angles, in the upper triangle.
-  std::vector<Eigen::Triplet<double>> cotangents;
-  cotangents.reserve(3 * triangles.size());
-  for (const IntrinsicTriangle& triangle : triangles)
-    for (int c = 0; c < 3; ++c) {
-      const auto [low, high] = std::minmax(triangle.corners[(c + 1) % 3], triangle.corners[(c + 2) % 3]);
-      if (low != high)
-        cotangents.push_back({static_cast<int>(low), static_cast<int>(high), 0.5 * triangle.cotangent(c)});
-    }
-  Eigen::SparseMatrix<double, Eigen::RowMajor> edges(count, count);
-  edges.setFromTriplets(cotangents.begin(), cotangents.end());
+  EdgeWeights edges = cotangentWeights(std::move(triangles), count);
 
   std::vector<Eigen::Triplet<Complex>> entries;
   entries.reserve(2 * static_cast<size_t>(edges.nonZeros()) + point_.size());
@@ -119,8 +127,10 @@ DirectionField LineField::solve() const {
       diagonal[j] += weight;
     }
   for (int i = 0; i < count; ++i) entries.push_back({i, i, Complex(diagonal[i], 0.0)});
+  edges = {};
   HermitianMatrix matrix(count, count);
   matrix.setFromTriplets(entries.begin(), entries.end());
+  entries = {};
   const Eigen::VectorXcd z = solveMultigrid(matrix, Eigen::VectorXcd::Map(pull_.data(), count));
 
   DirectionField field;

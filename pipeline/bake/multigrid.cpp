@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <vector>
 
 namespace furrow::pipeline {
@@ -27,7 +28,7 @@ Complex times(Complex a, Complex b) {
 // A matrix and, unless it is the last, its aggregates: an unknown follows one of the next level, turned; or
 // none, if it has no neighbours.
 struct Level {
-  HermitianMatrix matrix;
+  const HermitianMatrix& matrix;
   std::vector<int> aggregate;  // an unknown, -1: none
   Vector turn;                 // an unknown, length 1
 
@@ -122,18 +123,19 @@ struct Level {
 // The preconditioner, as Eigen's conjugate gradients want it.
 class Cycle {
  public:
-  Cycle& compute(const HermitianMatrix& matrix) {
-    levels_.assign(1, {matrix, {}, {}});
+  void prepare(const HermitianMatrix& matrix) {  // which must outlive it
+    levels_.push_back({matrix, {}, {}});
     while (levels_.back().matrix.rows() > kDirect) {
-      HermitianMatrix coarse = levels_.back().coarsen();
-      if (coarse.rows() > levels_.back().matrix.rows() * 9 / 10) break;
-      levels_.push_back({std::move(coarse), {}, {}});
+      matrices_.push_back(levels_.back().coarsen());
+      if (matrices_.back().rows() > levels_.back().matrix.rows() * 9 / 10) break;
+      levels_.push_back({matrices_.back(), {}, {}});
     }
     direct_.compute(levels_.back().matrix);
+  }
+  template <class Matrix>
+  Cycle& compute(const Matrix&) {
     return *this;
   }
-  Cycle& analyzePattern(const HermitianMatrix&) { return *this; }
-  Cycle& factorize(const HermitianMatrix& matrix) { return compute(matrix); }
   Eigen::ComputationInfo info() const { return Eigen::Success; }
 
   Vector solve(const Vector& b) const { return cycle(0, b); }
@@ -154,6 +156,7 @@ class Cycle {
     return x;
   }
 
+  std::deque<HermitianMatrix> matrices_;  // of the levels but the first
   std::vector<Level> levels_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> direct_;
 };
@@ -164,6 +167,7 @@ Eigen::VectorXcd solveMultigrid(const HermitianMatrix& a, const Eigen::VectorXcd
   Eigen::ConjugateGradient<HermitianMatrix, Eigen::Lower | Eigen::Upper, Cycle> solver;
   solver.setTolerance(kTolerance);
   solver.setMaxIterations(kMostIterations);
+  solver.preconditioner().prepare(a);
   solver.compute(a);
   return solver.solve(b);
 }
