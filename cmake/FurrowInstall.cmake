@@ -24,7 +24,7 @@ if(FURROW_BUILD_GL)
 endif()
 if(FURROW_BUILD_EDITOR)
   furrow_install(tool furrow)
-  install(TARGETS furrow-editor)
+  install(TARGETS furrow-editor furrow_content)  # the editor's samples
   install(TARGETS furrow_images LIBRARY DESTINATION lib/furrow)  # where the tool looks for it, whatever CMAKE_INSTALL_LIBDIR
   install(FILES cmake/FurrowAddAsset.cmake DESTINATION ${furrow_package_dir})
 endif()

@@ -1,7 +1,10 @@
 #include <cstdio>
-#include <exception>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
 
 #include "content/models.h"
+#include "recipes.h"
 
 // furrow_content OUTDIR: writes the demo models and the recipes that cook them.
 int main(int argc, char** argv) {
@@ -17,8 +20,16 @@ int main(int argc, char** argv) {
     furrow::content::writeGlb(furrow::content::buildJacket(), out / "jacket.glb");
     furrow::content::writeGlb(furrow::content::buildPanel(), out / "panel.glb");
     furrow::content::writeGlb(furrow::content::buildSleeve(), out / "sleeve.glb");
-    for (const char* recipe : {"face.json", "jacket.json", "panel.json", "sleeve.json"})
-      fs::copy_file(fs::path(FURROW_RECIPES) / recipe, out / recipe, fs::copy_options::overwrite_existing);
+    namespace recipes = furrow::content::recipes;
+    constexpr std::pair<const char*, const char*> kRecipes[] = {{"face.json", recipes::kFace},
+                                                                {"jacket.json", recipes::kJacket},
+                                                                {"panel.json", recipes::kPanel},
+                                                                {"sleeve.json", recipes::kSleeve}};
+    for (const auto& [name, text] : kRecipes) {
+      std::ofstream file(out / name, std::ios::binary);
+      if (!(file << text) || !file.flush())
+        throw std::runtime_error((out / name).string() + ": cannot be written");
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "furrow_content: %s\n", error.what());
     return 1;

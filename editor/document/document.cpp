@@ -23,15 +23,17 @@ Document::Step Document::stepBack(const std::string& what, const Content& next) 
   return {what, content_.recipe, changesBetween(next.images, content_.images), revision_};
 }
 
+void Document::pushUndo(Step step) {
+  if (undo_.size() >= kMostSteps) undo_.erase(undo_.begin());
+  undo_.push_back(std::move(step));
+  redo_.clear();
+}
+
 void Document::apply(Content next, const std::string& what) {
   if (same(content_, next)) return;
   const bool goes_on = gesture_ && !undo_.empty() && undo_.back().what == what && redo_.empty();
   // A drag edits the recipe alone: images change by strokes, each a step.
-  if (!goes_on || next.images != content_.images) {
-    if (undo_.size() == kMostSteps) undo_.erase(undo_.begin());
-    undo_.push_back(stepBack(what, next));
-    redo_.clear();
-  }
+  if (!goes_on || next.images != content_.images) pushUndo(stepBack(what, next));
   gesture_ = true;
   content_ = std::move(next);
   revision_ = ++newest_;
@@ -85,8 +87,7 @@ void Document::save(const std::filesystem::path& file) {
 }
 
 void Document::reloaded(Content content) {
-  undo_.push_back(stepBack("change on disk", content));
-  redo_.clear();
+  pushUndo(stepBack("change on disk", content));
   content_ = std::move(content);
   saved_ = revision_ = ++newest_;
   gesture_ = false;

@@ -67,6 +67,7 @@ class Document {
 
   // The step back to the content, from `next`.
   Step stepBack(const std::string& what, const Content& next) const;
+  void pushUndo(Step step);
   void take(std::vector<Step>& from, std::vector<Step>& to);
 
   Content content_;

@@ -53,6 +53,13 @@ std::vector<fs::path> imagesOf(const pipeline::Recipe& recipe) {
 void Session::tell(Message::Kind kind, const std::string& text) {
   if (messages_.size() == kMostMessages) messages_.erase(messages_.begin());
   messages_.push_back({kind, text});
+  ++told_;
+}
+
+bool Session::toldErrorSince(uint64_t told) const {
+  const auto latest = static_cast<std::ptrdiff_t>(std::min<uint64_t>(told_ - told, messages_.size()));
+  return std::any_of(messages_.end() - latest, messages_.end(),
+                     [](const Message& message) { return message.kind == Message::Kind::kError; });
 }
 
 void Session::open(const fs::path& file) {
@@ -106,6 +113,7 @@ void Session::close() {
   endComparison();
   resolved_ = {};
   report_ = {};
+  warned_.clear();
   error_.clear();
   dependencies_.clear();
   editable_ = conflict_ = reread_ = false;
@@ -155,11 +163,8 @@ void Session::takeResults() {
     const bool first = !shown_;
     shown_ = std::make_shared<Shown>(result->asset);
     if (first && !result->asset->rig.clips.empty()) player.clip = result->asset->rig.clips.front().name;
-    if (!result->draft) {
-      for (const std::string& warning : result->report.warnings)
-        if (std::find(report_.warnings.begin(), report_.warnings.end(), warning) == report_.warnings.end())
-          tell(Message::Kind::kWarning, source_.string() + ": " + warning);
-    }
+    for (const std::string& warning : result->report.warnings)
+      if (warned_.insert(warning).second) tell(Message::Kind::kWarning, source_.string() + ": " + warning);
     report_ = std::move(result->report);
     resolved_ = std::move(result->recipe);
     dependencies_ = std::move(result->dependencies);
@@ -250,7 +255,13 @@ void Session::save(const fs::path& recipe) {
 
 void Session::cookTo(const fs::path& asset) {
   if (!editable_) return;
-  if (whole(asset) == source_ || whole(asset) == document.file()) {
+  std::vector<fs::path> inputs = imagesOf(document.recipe());
+  inputs.insert(inputs.end(), dependencies_.begin(), dependencies_.end());
+  inputs.insert(inputs.end(), {source_, document.file()});
+  std::error_code ignored;
+  if (std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
+        return whole(input) == whole(asset) || fs::equivalent(input, asset, ignored);
+      })) {
     tell(Message::Kind::kError,
          asset.string() + ": the output would overwrite an input: choose another name");
     return;

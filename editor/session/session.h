@@ -3,6 +3,8 @@
 // One editing session without a screen: what is open, what is cooked from it, what moves it, and what went
 // wrong. update() is called once a frame; nothing here waits.
 
+#include <set>
+
 #include "editor/document/document.h"
 #include "editor/session/cook_worker.h"
 #include "editor/session/file_watch.h"
@@ -69,7 +71,9 @@ class Session {
   void reload();
   void keep();
 
-  const std::vector<Message>& messages() const { return messages_; }
+  const std::vector<Message>& messages() const { return messages_; }  // the latest ones
+  uint64_t told() const { return told_; }                             // how many there were in all
+  bool toldErrorSince(uint64_t told) const;                           // that is still among messages()
   void tell(Message::Kind kind, const std::string& text);
   void clearMessages() { messages_.clear(); }
 
@@ -86,6 +90,8 @@ class Session {
   pipeline::CookReport report_;
   std::string error_;
   std::vector<Message> messages_;
+  uint64_t told_ = 0;
+  std::set<std::string> warned_;  // warnings that were told
   std::vector<std::filesystem::path> dependencies_;
   FileWatch watch_;
   double since_look_ = 0.0;

@@ -25,12 +25,12 @@ bool parseChord(const std::string& text, Chord& chord);  // what chordText() wri
 bool pressed(const Chord& chord, bool repeat = false);   // in this frame, with exactly these modifiers
 
 struct Action {
-  const char* id;    // "file.save"
-  const char* menu;  // "File"; empty: keys only
-  const char* label;
-  Chord chord;
-  const char* tip;
-  std::function<void()> run;
+  const char* id = "";    // "file.save"
+  const char* menu = "";  // "File"; empty: keys only
+  const char* label = "";
+  Chord chord = {};
+  const char* tip = "";
+  std::function<void()> run = {};
   std::function<bool()> enabled = [] { return true; };
   std::function<bool()> checked = {};  // of a switch
   bool separated = false;              // a line above it in the menu

@@ -34,6 +34,13 @@ class Editor {
 
  private:
   void makeActions();
+  std::vector<Action> fileActions();
+  std::vector<Action> editActions();
+  std::vector<Action> brushKeys();
+  std::vector<Action> viewActions();
+  std::vector<Action> playActions();
+  std::vector<Action> helpActions();
+  std::vector<Action> viewKeys();
   void drawMenuBar();
   void drawToolbar();
   void drawTools();
@@ -52,7 +59,7 @@ class Editor {
   Samples samples_{Samples::usualProgram(), Samples::usualFolder()};
   FileDialog files_;
   std::optional<preview::PosedFrame> frame_;
-  size_t told_ = 0;        // messages already seen
+  uint64_t told_ = 0;      // messages already seen
   bool two_rows_ = false;  // the toolbar does not fit in one
 };
 

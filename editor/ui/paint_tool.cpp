@@ -107,9 +107,14 @@ void PaintTool::finish(State& state) {
     values_.clear();
     return;
   }
+  // The layer that it began on, whichever is selected by now; it may be gone.
   Session& session = state.session;
   Content content = session.document.content();
-  pipeline::LayerRecipe& layer = content.recipe.layers[state.documentLayer()];
+  std::vector<pipeline::LayerRecipe>& layers = content.recipe.layers;
+  const auto found = std::find_if(layers.begin(), layers.end(),
+                                  [&](const pipeline::LayerRecipe& layer) { return layer.name == layer_; });
+  if (found == layers.end()) return values_.clear();
+  pipeline::LayerRecipe& layer = *found;
   const std::filesystem::path file = paintedFile(session.document.file(), layer.name, kind_);
   content.images[file] = std::make_shared<pipeline::ByteImage>(stroke->image());
   if (kind_ == Painted::kMask)
@@ -212,17 +217,16 @@ void PaintTool::guide(State& state, const preview::PosedFrame& frame, const Proj
           if (!projection.toScreen(shown_->surface.at(point.triangle, point.barycentric), at)) continue;
           if (std::hypot(at.x - pen.at.x, at.y - pen.at.y) > kGrab * em() / 15.0f) continue;
           state.edit("Remove guide", [&](pipeline::LayerRecipe& layer) {
-            auto guides = std::get<pipeline::DirectionGuides>(layer.direction);
-            guides.curves.erase(guides.curves.begin() + static_cast<std::ptrdiff_t>(c));
-            if (guides.curves.empty())
-              layer.direction = pipeline::DirectionAnimation{};
-            else
-              layer.direction = guides;
+            auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction);
+            if (!guides || guides->curves != guide_curves_) return;  // another layer is selected by now
+            guides->curves.erase(guides->curves.begin() + static_cast<std::ptrdiff_t>(c));
+            if (guides->curves.empty()) layer.direction = pipeline::DirectionAnimation{};
           });
           session.document.endGesture();
           return;
         }
     } else if (hit) {
+      layer_ = state.layer;
       curve_.emplace();
       curve_hits_.clear();
     }
@@ -238,7 +242,7 @@ void PaintTool::guide(State& state, const preview::PosedFrame& frame, const Proj
     }
   }
   if (pen.down) return;
-  if (curve_->size() >= 2)
+  if (curve_->size() >= 2 && state.layer == layer_)
     state.edit("Draw guide", [&](pipeline::LayerRecipe& layer) {
       auto* old = std::get_if<pipeline::DirectionGuides>(&layer.direction);
       pipeline::DirectionGuides guides = old && old->lines.empty() ? *old : pipeline::DirectionGuides{};

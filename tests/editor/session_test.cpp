@@ -138,6 +138,25 @@ TEST(DocumentTest, UndoOfPaintingGoesBackToTheVeryPixelsAndKeepsOnlyWhatChanged)
   EXPECT_EQ(pixels(), std::vector<uint8_t>{7});
 }
 
+TEST(DocumentTest, TheHistoryHasAnEnd) {
+  Document document({pipeline::defaultRecipe(), {}}, "/nowhere/r.json", true);
+  const auto steps = [&] {
+    size_t count = 0;
+    for (; !document.undoName().empty(); ++count) document.undo();
+    return count;
+  };
+  for (int i = 0; i < 500; ++i) {
+    Content next = document.content();
+    next.recipe.layers[0].response.beta = 1.0f + static_cast<float>(i % 100) / 10.0f;
+    if (i % 3 == 0)
+      document.reloaded(std::move(next));
+    else
+      document.apply(std::move(next), "beta");
+    document.endGesture();
+  }
+  EXPECT_LE(steps(), 200u);
+}
+
 TEST_F(SessionTest, SavingWritesRecipeAndImagesThatReadBackAsTheSame) {
   Content content{pipeline::defaultRecipe(), {}};
   const fs::path file = folder() / "r.json", image = folder() / "r_wrinkles_bias.png";
@@ -211,6 +230,60 @@ TEST_F(SessionTest, AFaultIsToldAndLeavesTheLastGoodStateUp) {
   settle(session);
   EXPECT_EQ(session.error(), "");
   EXPECT_TRUE(session.shown());
+}
+
+TEST_F(SessionTest, WarningsOfACookAreToldOnceAlsoBehindADraft) {
+  GltfBuilder still;  // a triangle that nothing moves
+  still.add(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  const fs::path source =
+      write("still.glb", still.glb(R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+                                   R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])"));
+  Session session;
+  session.open(source);  // with the default recipe, which is drafted
+  settle(session);
+  const auto warnings = [&] {
+    return std::count_if(session.messages().begin(), session.messages().end(),
+                         [](const Message& m) { return m.kind == Message::Kind::kWarning; });
+  };
+  const auto first = warnings();
+  EXPECT_GT(first, 0);
+  edit(session, "seed", [](pipeline::Recipe& recipe) { recipe.layers[0].measure = Measure::kArea; });
+  settle(session);
+  EXPECT_EQ(warnings(), first);
+}
+
+TEST_F(SessionTest, ErrorsAreSeenHoweverManyMessagesThereWere) {
+  Session session;
+  for (int i = 0; i < 700; ++i) session.tell(Message::Kind::kNote, "note");
+  const uint64_t before = session.told();
+  EXPECT_FALSE(session.toldErrorSince(0));
+  session.tell(Message::Kind::kError, "error");
+  EXPECT_TRUE(session.toldErrorSince(before));
+  EXPECT_FALSE(session.toldErrorSince(session.told()));
+  session.clearMessages();
+  EXPECT_FALSE(session.toldErrorSince(before));
+  EXPECT_LE(session.messages().size(), 500u);
+}
+
+TEST_F(SessionTest, ACookDoesNotOverwriteWhatItReads) {
+  const fs::path source = write("sheet.glb", editorSheet()), mask = folder() / "mask.png";
+  pipeline::Image half{8, 8, 1, std::vector<float>(64, 1.0f)};
+  half.pixels[0] = 0.0f;
+  pipeline::writeImage(mask, half);
+  write("sheet.json",
+        R"({"mapSize": 64, "layers": [{"name": "lines", "mask": {"texture": "mask.png", "channel": "r"}}]})");
+  Session session;
+  session.open(source);
+  settle(session);
+  ASSERT_EQ(session.error(), "");
+  fs::create_symlink(mask, folder() / "link.furrow");
+  for (const char* name : {"sheet.glb", "sheet.json", "mask.png", "link.furrow"}) {
+    session.clearMessages();
+    session.cookTo(folder() / name);
+    settle(session);
+    EXPECT_TRUE(told(session, "would overwrite an input")) << name;
+  }
+  EXPECT_EQ(pipeline::readByteImage(mask).width, 8u);
 }
 
 TEST_F(SessionTest, LambdaAndBetaNeedNoCook) {
