@@ -62,16 +62,7 @@ static_assert(kPass <= kMostInPass);
 
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
-#if HWY_MAX_BYTES >= 64
-  __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(positions + corner[0]));
-  v = _mm512_mask_broadcast_f32x4(v, 0x00f0, _mm_loadu_ps(positions + corner[12]));
-  v = _mm512_mask_broadcast_f32x4(v, 0x0f00, _mm_loadu_ps(positions + corner[24]));
-  return Lanes{_mm512_mask_broadcast_f32x4(v, 0xf000, _mm_loadu_ps(positions + corner[36]))};
-#elif HWY_MAX_BYTES >= 32
-  return hn::Combine(D(), hn::LoadU(D4(), positions + corner[12]), hn::LoadU(D4(), positions + corner[0]));
-#else
-  return hn::LoadU(D(), positions + corner[0]);
-#endif
+  return loadBlocks([&](int i) HWY_ATTR { return positions + corner[12 * i]; });
 }
 
 // kRingLanes floats, in one vector or two.

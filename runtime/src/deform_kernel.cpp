@@ -68,9 +68,9 @@ Matrices dualQuaternion(const DeformJob& job, const Group& group) {
   return out;
 }
 
-// Some groups at a time, since a core must have several of the long chains of square root and division at
-// work.
-constexpr uint32_t kTeam = 4;
+// Groups of 64 vertices at a time, since a core must have several of the long chains of square root and
+// division at work.
+constexpr uint32_t kTeam = 64 / kWidth;
 
 HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_t count) {
   Vectors normals[kTeam], tangents[kTeam];

@@ -175,19 +175,21 @@ HWY_INLINE Lanes fromUint16(const uint16_t* p, int32_t first) {
   const hn::Rebind<int32_t, D> d32;
   return hn::ConvertTo(D(), hn::Set(d32, first) + hn::PromoteTo(d32, hn::LoadU(d16, p)));
 }
-// Block i from p + i * step.
-HWY_INLINE Lanes loadBlocks(const float* p, size_t step) {
+// Block i from at(i). Not by masked loads: the hardware does not prefetch after those.
+template <typename At>
+HWY_INLINE Lanes loadBlocks(At at) {
+  const auto block = [&](int i) HWY_ATTR { return hn::LoadU(D4(), at(i)); };
 #if HWY_MAX_BYTES >= 64
-  __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(p));
-  v = _mm512_mask_broadcast_f32x4(v, 0x00f0, _mm_loadu_ps(p + step));
-  v = _mm512_mask_broadcast_f32x4(v, 0x0f00, _mm_loadu_ps(p + 2 * step));
-  return Lanes{_mm512_mask_broadcast_f32x4(v, 0xf000, _mm_loadu_ps(p + 3 * step))};
+  const hn::Half<D> half;
+  return hn::Combine(D(), hn::Combine(half, block(3), block(2)), hn::Combine(half, block(1), block(0)));
 #elif HWY_MAX_BYTES >= 32
-  return hn::Combine(D(), hn::LoadU(D4(), p + step), hn::LoadU(D4(), p));
+  return hn::Combine(D(), block(1), block(0));
 #else
-  (void)step;
-  return load(p);
+  return block(0);
 #endif
+}
+HWY_INLINE Lanes loadBlocks(const float* p, size_t step) {
+  return loadBlocks([&](int i) HWY_ATTR { return p + i * step; });
 }
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128
 // In each block: a[kA], a[kB], b[kC], b[kD].
