@@ -130,8 +130,7 @@ Command addBind(CLI::App& app) {
       "");
   CLI::Option* scale =
       command->add_option("--scale", options->scale, "Length of the mesh's unit in the asset's (default 1)")
-          ->check(CLI::PositiveNumber)
-          ->check(finite);
+          ->check(requirePositive);
   CLI::Option* up = command->add_option("--up", options->up, "The mesh's upward axis, y (default) or z")
                         ->check(CLI::IsMember({"y", "z"}));
   command

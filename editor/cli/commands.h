@@ -24,6 +24,12 @@ inline std::string requireFloat(const std::string& text) {
                                                                    : text + " is no number to work with";
 }
 
+inline std::string requirePositive(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value) && isFloat(value) && value > 0.0 ? std::string()
+                                                                                 : text + " is not above 0";
+}
+
 // Adds the subcommand to `app`; what it returns runs the command with the parsed options.
 Command addCook(CLI::App& app);
 Command addInfo(CLI::App& app);

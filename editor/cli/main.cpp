@@ -24,6 +24,10 @@ int main(int argc, char** argv) {
       {"check", furrow::cli::addCheck(app)},   {"eval", furrow::cli::addEval(app)},
       {"render", furrow::cli::addRender(app)}, {"bind", furrow::cli::addBind(app)},
       {"export", furrow::cli::addExport(app)}};
+  if (argc > 1 && argv[1][0] != '-' && !commands.contains(argv[1])) {
+    std::fprintf(stderr, "furrow: %s: there is no such command: see 'furrow --help'\n", argv[1]);
+    return static_cast<int>(Exit::kBadUsage);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

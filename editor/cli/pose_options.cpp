@@ -17,8 +17,10 @@ namespace {
 using pipeline::Error;
 using pipeline::Exit;
 
+constexpr std::string_view kMorph = "--morph", kRegion = "--region";
+
 // NAME=NUMBER, split at the last '='.
-std::pair<std::string, double> assignment(const std::string& text, const char* option) {
+std::pair<std::string, double> assignment(const std::string& text, std::string_view option) {
   const size_t equals = text.rfind('=');
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -26,8 +28,9 @@ std::pair<std::string, double> assignment(const std::string& text, const char* o
     const auto [stop, error] = std::from_chars(text.data() + equals + 1, end, value);
     if (error == std::errc() && stop == end && isFloat(value)) return {text.substr(0, equals), value};
   }
-  throw Error(Exit::kBadUsage, std::string(option) + " " + text, "is not NAME=NUMBER",
-              "write for example " + std::string(option) + " jawOpen=0.5");
+  throw Error(
+      Exit::kBadUsage, std::string(option) + " " + text, "is not NAME=NUMBER",
+      "write for example " + std::string(option) + (option == kMorph ? " jawOpen=0.5" : " forehead=0.5"));
 }
 
 // Indices of all that have the name, or the one that has the number.
@@ -40,9 +43,13 @@ std::vector<size_t> select(const std::vector<std::string>& names, const std::str
   const auto [stop, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
   if (found.empty() && error == std::errc() && stop == wanted.data() + wanted.size() && number < names.size())
     found.push_back(number);
-  if (found.empty())
+  if (found.empty()) {
+    std::vector<std::string> there = names;
+    for (size_t i = 0; i < there.size(); ++i)
+      if (there[i].empty()) there[i] = std::to_string(i);
     throw Error(Exit::kBadUsage, file, std::string("it has no ") + kind + " \"" + wanted + "\"",
-                "it has: " + pipeline::joinNames(names, 80));
+                "it has: " + pipeline::joinNames(there, 80));
+  }
   return found;
 }
 
@@ -79,8 +86,7 @@ void PoseOptions::add(CLI::App& command) {
       ->allow_extra_args(false);
   command
       .add_option("--scale", scale, "Uniform scale of the whole instance that the pose contains (default 1)")
-      ->check(requireFloat)
-      ->check(CLI::PositiveNumber);
+      ->check(requirePositive);
   command
       .add_option("--backend", backend,
                   "Tier to compute on (default auto: FURROW_BACKEND, or the best there is)")
@@ -88,8 +94,10 @@ void PoseOptions::add(CLI::App& command) {
 }
 
 void PoseOptions::validate() const {
-  for (const std::string& text : morphs) assignment(text, "--morph");
-  for (const std::string& text : regions) assignment(text, "--region");
+  for (const std::string& text : morphs) assignment(text, kMorph);
+  for (const std::string& text : regions)
+    if (std::abs(assignment(text, kRegion).second) > 1.0)
+      throw Error(Exit::kBadUsage, "--region " + text, "is not from -1 to 1", "give a weight of the layer");
   checkBackend(backend);
 }
 
@@ -109,7 +117,7 @@ preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& opti
   for (const Morph& morph : asset.morphs) names.emplace_back(morph.name);
   if (!options.take.empty()) applyTake(options.take, options.time.value_or(0.0), names, pose);
   for (const std::string& text : options.morphs) {
-    const auto [name, weight] = assignment(text, "--morph");
+    const auto [name, weight] = assignment(text, kMorph);
     for (size_t m : select(names, name, "morph target", file)) pose.morph_weights[m] = weight;
   }
 
@@ -117,7 +125,7 @@ preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& opti
   names.clear();
   for (const Layer& layer : asset.layers) names.emplace_back(layer.name);
   for (const std::string& text : options.regions) {
-    const auto [name, weight] = assignment(text, "--region");
+    const auto [name, weight] = assignment(text, kRegion);
     for (size_t l : select(names, name, "layer", file)) regions[l] += static_cast<float>(weight);
   }
   return preview::poseFrame(asset, pipeline::evaluate(opened.rig, pose), regions,

@@ -9,9 +9,10 @@ namespace furrow::preview {
 namespace {
 
 constexpr float kMargin = 1.06f;
-// A surface whose areas add up to this much of their sum is a sheet; less than this of it seen from the front
-// is edge-on.
-constexpr double kSheet = 0.8, kEdgeOn = 0.25;
+// A surface whose normals lie along one line this much is flat; it is edge-on while that line leads this
+// little to the front.
+constexpr double kFlat = 0.85, kEdgeOn = 0.25;
+constexpr int kPowerSteps = 40;
 constexpr float kLargestPitch = 89.0f;
 // Depth range about the target, in distances from it.
 constexpr float kNear = 0.02f, kFar = 50.0f;
@@ -39,19 +40,28 @@ CameraFrame cameraFrame(const Camera& camera, float aspect) {
 Facing facing(std::span<const Float3> positions, std::span<const uint32_t> indices) {
   const auto at = [&](uint32_t v) { return glm::dvec3(positions[v].x, positions[v].y, positions[v].z); };
   glm::dvec3 sum(0.0);
-  double area = 0.0;
+  glm::dmat3 spread(0.0);  // of unit normals, by area
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {
     const glm::dvec3 a = at(indices[i]);
     const glm::dvec3 normal = glm::cross(at(indices[i + 1]) - a, at(indices[i + 2]) - a);
-    if (!std::isfinite(normal.x + normal.y + normal.z)) continue;
+    const double area = glm::length(normal);
+    if (!std::isfinite(area) || area == 0.0) continue;
     sum += normal;
-    area += glm::length(normal);
+    spread += glm::outerProduct(normal, normal / area);
   }
-  const double length = glm::length(sum);
-  if (!(length > kSheet * area) || std::abs(sum.z) > kEdgeOn * length) return {};
+  glm::dvec3 side(0.7, 0.7, 0.1);
+  for (int i = 0; i < kPowerSteps; ++i) {
+    const glm::dvec3 next = spread * side;
+    if (!(glm::length(next) > 0.0)) return {};
+    side = glm::normalize(next);
+  }
+  const double all = spread[0][0] + spread[1][1] + spread[2][2];
+  if (glm::dot(side, spread * side) < kFlat * all || std::abs(side.z) > kEdgeOn) return {};
+  const double outside = glm::dot(side, sum);  // of a closed plate none
+  if (std::abs(outside) > 1e-3 * all ? outside < 0.0 : side.x + side.y < 0.0) side = -side;
   const auto degrees = [](double radians) { return static_cast<float>(glm::degrees(radians)); };
-  const float pitch = degrees(std::asin(sum.y / length));
-  return {std::abs(pitch) < kLargestPitch ? degrees(std::atan2(sum.x, sum.z)) : 0.0f,
+  const float pitch = degrees(std::asin(std::clamp(side.y, -1.0, 1.0)));
+  return {std::abs(pitch) < kLargestPitch ? degrees(std::atan2(side.x, side.z)) : 0.0f,
           std::clamp(pitch, -kLargestPitch, kLargestPitch)};
 }
 

@@ -17,8 +17,9 @@ struct Camera {
   float field_of_view = 30.0f;  // vertical, degrees
 };
 
-// From where a surface shows when nobody says: its front, yaw and pitch 0. A sheet (cloth laid on the floor,
-// a terrain) that would be seen edge-on from there shows the side of its normal.
+// From where a surface shows when nobody says: its front, yaw and pitch 0. A flat one (cloth laid on the
+// floor, a terrain, a plate) that would be seen edge-on from there shows the side of its normals, a closed
+// one its top.
 struct Facing {
   float yaw = 0.0f, pitch = 0.0f;
 };

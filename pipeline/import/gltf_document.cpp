@@ -118,8 +118,8 @@ std::vector<std::string> checkExtensions(const json& root) {
     const std::string name = entry.get<std::string>();
     if (name == kDraco || name == kMeshopt || name == kQuantization) continue;
     const auto about = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (about("_materials_") || about("_lights_") || about("_xmp") || about("_texture_") ||
-        name == "KHR_animation_pointer") {
+    if (about("_materials_") || about("_lights_") || about("_xmp") || name == "EXT_texture_webp" ||
+        name == "KHR_texture_transform" || name == "KHR_animation_pointer") {
       warnings.push_back("the required extension " + name + " is left out: it does not shape the surface");
     } else {
       fail("it requires the extension " + name + ", which furrow does not read");

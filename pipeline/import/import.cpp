@@ -33,8 +33,12 @@ bool isBinaryStl(const std::vector<uint8_t>& bytes, bool named_stl) {
          std::find(bytes.begin(), bytes.begin() + kStlHeader, uint8_t{0}) != bytes.begin() + kStlHeader;
 }
 
-// "OFF" with any of the prefixes that say what a vertex holds: ST, C, N, 4, n.
-bool isOff(std::string_view text) {
+// "OFF" with any of the prefixes that say what a vertex holds: ST, C, N, 4, n. Comments may stand before it,
+// and a file that is named so need not say it.
+bool isOff(std::string_view text, bool named_off) {
+  while (named_off && text.starts_with('#'))
+    text = skipSpace(text.substr(std::min(text.find('\n'), text.size())));
+  if (named_off && !text.empty() && std::isdigit(static_cast<unsigned char>(text.front()))) return true;
   const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
   return word.ends_with("OFF") && word.find_first_not_of("STCN4n") == word.size() - 3;
 }
@@ -56,7 +60,7 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
   if (raw.starts_with("glTF") || text.starts_with('{')) return std::nullopt;
   if (raw.starts_with("ply\n") || raw.starts_with("ply\r")) return MeshFormat::kPly;
   if (isBinaryStl(bytes, extension == ".stl")) return MeshFormat::kStlBinary;
-  if (isOff(text)) return MeshFormat::kOff;
+  if (isOff(text, extension == ".off")) return MeshFormat::kOff;
   if (extension == ".obj") return MeshFormat::kObj;
   if (text.starts_with("solid") || extension == ".stl") return MeshFormat::kStlText;
   if (extension == ".gltf" || extension == ".glb")
@@ -66,6 +70,9 @@ std::optional<MeshFormat> tellFormat(const std::filesystem::path& file, const st
     throw Error(Exit::kBadData, file.string(),
                 std::string("does not begin as ") + (extension == ".ply" ? "a PLY" : "an OFF") + " file does",
                 "export it again");
+  if (raw.starts_with("furrow\r\n"))
+    throw Error(Exit::kBadData, file.string(), "it is a cooked asset",
+                "give the file that it was cooked from");
   throw Error(Exit::kBadData, file.string(), "not a format that furrow reads",
               "give it glTF, GLB, OBJ, PLY, STL or OFF");
 }

@@ -271,9 +271,20 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
   return vertices;
 }
 
-// Changes in place what OpenMesh's reader cannot bear in OFF text: comments, counts behind the keyword,
-// colours of faces.
+// Changes in place what OpenMesh's reader cannot bear in OFF text: comments, counts behind the keyword or
+// without one, colours of faces.
 void prepareOff(std::vector<uint8_t>& bytes) {
+  size_t start = 0;
+  while (start < bytes.size() && !std::isalnum(bytes[start])) {
+    const auto from = bytes.begin() + static_cast<ptrdiff_t>(start);
+    start = bytes[start] == '#' ? static_cast<size_t>(std::find(from, bytes.end(), '\n') - bytes.begin())
+                                : start + 1;
+  }
+  bytes.erase(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(start));
+  constexpr std::string_view kKeyword = "OFF\n";
+  const auto line_end = std::find(bytes.begin(), bytes.end(), '\n');
+  if (std::find(bytes.begin(), line_end, 'F') == line_end)
+    bytes.insert(bytes.begin(), kKeyword.begin(), kKeyword.end());
   char* text = reinterpret_cast<char*>(bytes.data());
   size_t lines = 0, vertices = 0;
   for (size_t begin = 0; begin < bytes.size();) {

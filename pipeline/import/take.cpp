@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kRates[] = {24, 25, 30, 48, 50, 60, 100, 120};
 constexpr double kUsualRate = 60;
+constexpr int64_t kDay = 24 * 60 * 60;
 
 struct Timecode {
   int64_t seconds = 0;
@@ -128,10 +129,13 @@ class Reader {
     double rate = *std::upper_bound(std::begin(kRates), std::end(kRates) - 1, largest);
     if (codes.front().seconds == codes.back().seconds) rate = std::max(rate, kUsualRate);
     std::vector<float> weights;
+    int64_t day = 0;
     const size_t shapes = take.shapes.size();
     for (size_t f = 0; f < codes.size(); ++f) {
-      const double time =
-          static_cast<double>(codes[f].seconds - codes[0].seconds) + (codes[f].frame - codes[0].frame) / rate;
+      // Timecodes are the time of day: a take may run over midnight.
+      if (f > 0 && codes[f - 1].seconds - codes[f].seconds > kDay / 2) day += kDay;
+      const double time = static_cast<double>(day + codes[f].seconds - codes[0].seconds) +
+                          (codes[f].frame - codes[0].frame) / rate;
       line_ = f + 2;
       if (!take.times.empty() && time < take.times.back())
         fail("its timecode lies before that of the frame above", "sort the frames, or split the take");

@@ -369,6 +369,8 @@ TEST_F(BadInput, Usage) {
       {"eval", asset, "--backend", "cpu", "--clip", "0"},
       {"eval", asset, "--backend", "cpu", "--clip", ""},
       {"eval", asset, "--backend", "cpu", "--time", "1"},
+      {"eval", asset, "--backend", "cpu", "--region", "wrinkles=1.5"},
+      {"eval", asset, "--scale", "nan"},
       {"eval", asset, "--backend", "cpu", "--scale", "0"},
       {"eval", asset, "--backend", "cpu", "--scale", "nan"},
       {"eval", asset, "--backend", "cpu", "--scale", "inf"},
@@ -380,6 +382,9 @@ TEST_F(BadInput, Usage) {
       {"render", asset, "-o", output() / "out.png", "--target", "0", "nan", "0"},
       {"render", asset, "-o", output() / "out.png", "--size", "0x10"},
       {"render", asset, "-o", output() / "out.png", "--size", "big"},
+      {"render", asset, "-o", output() / "out.png", "--yaw", "nan"},
+      {"render", asset, "-o", output() / "out.png", "--zoom", "nan"},
+      {"render", asset, "-o", output() / "out.png", "--target", "0", "inf", "0"},
       // Before the asset is opened.
       {"eval", folder() / "missing.furrow", "--morph", "nonsense"},
       {"render", folder() / "missing.furrow", "-o", output() / "out.png", "--region", "=1"},

@@ -486,6 +486,10 @@ TEST(CameraTest, ASheetIsNotSeenEdgeOn) {
     EXPECT_EQ(preview::facing(front, faces).yaw, 0.0f);
     EXPECT_EQ(preview::facing(front, faces).pitch, 0.0f);
   }
+  // A closed plate, from above.
+  std::vector<Float3> plate = floor;
+  for (const Float3& p : floor) plate.push_back({p.x, p.y - 0.01f, p.z});
+  EXPECT_EQ(preview::facing(plate, std::vector<uint32_t>{0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6}).pitch, 89.0f);
   const BallAsset ball({.maps = false});
   EXPECT_EQ(preview::facing(ball.view().positions, ball.view().indices).yaw, 0.0f);
   EXPECT_EQ(preview::facing({}, {}).pitch, 0.0f);

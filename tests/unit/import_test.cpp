@@ -363,10 +363,10 @@ TEST(Import, RequiredExtensionsAreKnownOrNamed) {
   const auto requiring = [](const std::string& name) {
     return triangleFile().glb(shown(kTriangle, R"("extensionsRequired":[")" + name + "\"]"));
   };
-  for (const char* name : {"EXT_mesh_gpu_instancing", "VENDOR_new"})
+  for (const char* name : {"KHR_texture_basisu", "EXT_texture_avif", "EXT_mesh_gpu_instancing", "VENDOR_new"})
     EXPECT_THAT(refusalOf("required.glb", requiring(name)), HasSubstr(name));
-  for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu", "KHR_materials_unlit",
-                           "KHR_lights_punctual", "KHR_texture_transform"})
+  for (const char* name :
+       {"EXT_texture_webp", "KHR_materials_unlit", "KHR_lights_punctual", "KHR_texture_transform"})
     EXPECT_THAT(importText("harmless.glb", requiring(name)).warnings, ElementsAre(HasSubstr(name)));
 }
 
@@ -781,6 +781,8 @@ TEST(Import, PlyStlAndOff) {
   const std::pair<const char*, std::string> variants[] = {
       {"line.off", "OFF 4 2 0\n" + off.substr(10)},
       {"comments.off", "OFF # a square\n# by hand\n\n4 2 0 # counts\n" + off.substr(10)},
+      {"comment_first.off", "# a square\n\n" + off},
+      {"nameless.off", "# a square\n" + off.substr(4)},
       {"no_edges.off", "OFF\n4 2\n" + off.substr(10)},
       {"face_colors.off", off.substr(0, off.find("3 0 1 2")) + "3 0 1 2 255 0 0\n3 0 2 3 0.1 0.2 0.3 1\n"},
       {"colors.off",

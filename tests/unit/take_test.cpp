@@ -76,6 +76,13 @@ TEST(Take, BytesThatToolsAdd) {
   EXPECT_THAT(take("Timecode,\"a \"\"b\"\", c\"\n00:00:00:00,1\n").shapes, ElementsAre("a \"b\", c"));
 }
 
+TEST(Take, RunsOverMidnight) {
+  const Take t = take("Timecode,A\n23:59:59:59,0\n00:00:00:00,1\n00:00:01:00,2\n");
+  ASSERT_EQ(t.times.size(), 3u);
+  EXPECT_DOUBLE_EQ(t.times[1], 1.0 - 59.0 / 60.0);
+  EXPECT_DOUBLE_EQ(t.times[2] - t.times[1], 1.0);
+}
+
 TEST(Take, OfTwoFramesWithOneTimecodeTheLaterCounts) {
   const Take t = take("Timecode,A\n00:00:00:00,0\n00:00:00:01,1\n00:00:00:01,2\n");
   EXPECT_EQ(t.times.size(), 2u);
