@@ -244,14 +244,38 @@ float diagonalOf(const AssetView& asset) {
   return glm::distance(low, high);
 }
 
-std::filesystem::path paintedFile(const std::filesystem::path& recipe, const std::string& layer,
+std::pair<std::filesystem::path, uint32_t> namedImage(const pipeline::LayerRecipe& layer, Painted kind) {
+  if (kind == Painted::kMask) {
+    if (const auto* mask = std::get_if<pipeline::MaskTexture>(&layer.mask))
+      return {mask->texture, mask->channel};
+  } else if (kind == Painted::kBias) {
+    if (layer.bias) return {layer.bias->texture, layer.bias->channel};
+  } else if (const auto* flow = std::get_if<pipeline::DirectionTexture>(&layer.direction)) {
+    return {flow->texture, 0};
+  }
+  return {};
+}
+
+std::filesystem::path paintedFile(const Content& content, const std::filesystem::path& recipe, size_t layer,
                                   Painted kind) {
   constexpr const char* kKinds[] = {"bias", "mask", "direction"};
-  std::string name = layer;
+  const std::vector<pipeline::LayerRecipe>& layers = content.recipe.layers;
+  const auto taken = [&](const std::filesystem::path& file) {
+    for (size_t l = 0; l < layers.size(); ++l)
+      for (const Painted each : {Painted::kBias, Painted::kMask, Painted::kDirection})
+        if (l != layer && namedImage(layers[l], each).first == file) return true;
+    return false;
+  };
+  const std::filesystem::path own = namedImage(layers[layer], kind).first;
+  if (content.images.contains(own) && !taken(own)) return own;
+  std::string name = layers[layer].name;
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && static_cast<unsigned char>(c) < 0x80) c = '_';
-  return recipe.parent_path() /
-         (recipe.stem().string() + "_" + name + "_" + kKinds[static_cast<size_t>(kind)] + ".png");
+  const std::string stem = recipe.stem().string() + '_' + name + '_' + kKinds[static_cast<size_t>(kind)];
+  std::filesystem::path file = recipe.parent_path() / (stem + ".png");
+  for (int number = 2; taken(file); ++number)
+    file = recipe.parent_path() / (stem + '_' + std::to_string(number) + ".png");
+  return file;
 }
 
 }  // namespace furrow::editor

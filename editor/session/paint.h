@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/document/document.h"
 #include "editor/session/posed_surface.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/maps/texel_map.h"
@@ -98,8 +99,12 @@ pipeline::ByteImage planeOf(const pipeline::ByteImage& image, uint32_t channel, 
 // Length of the diagonal of the bounding box at rest, root space.
 float diagonalOf(const AssetView& asset);
 
-// The file that a painted image of a layer is saved in, beside the recipe.
-std::filesystem::path paintedFile(const std::filesystem::path& recipe, const std::string& layer,
+// The image that a layer's recipe names for this kind, and its channel; empty: none.
+std::pair<std::filesystem::path, uint32_t> namedImage(const pipeline::LayerRecipe& layer, Painted kind);
+
+// The file that a painted image of a layer is saved in: the one it names, if that was painted here and no
+// other layer names it, else one beside `recipe`, by the layer's name, that no other layer names.
+std::filesystem::path paintedFile(const Content& content, const std::filesystem::path& recipe, size_t layer,
                                   Painted kind);
 
 }  // namespace furrow::editor

@@ -23,19 +23,6 @@ const char* nameOf(Painted kind) {
   return kind == Painted::kMask ? "mask" : kind == Painted::kDirection ? "direction" : "bias";
 }
 
-// The file of what the layer's recipe names for this kind, and its channel; empty: none.
-std::pair<std::filesystem::path, uint32_t> namedImage(const pipeline::LayerRecipe& layer, Painted kind) {
-  if (kind == Painted::kMask) {
-    if (const auto* mask = std::get_if<pipeline::MaskTexture>(&layer.mask))
-      return {mask->texture, mask->channel};
-  } else if (kind == Painted::kBias) {
-    if (layer.bias) return {layer.bias->texture, layer.bias->channel};
-  } else if (const auto* flow = std::get_if<pipeline::DirectionTexture>(&layer.direction)) {
-    return {flow->texture, 0};
-  }
-  return {};
-}
-
 }  // namespace
 
 void PaintTool::forget() {
@@ -57,11 +44,10 @@ bool PaintTool::begin(State& state, Painted kind) {
   const AssetView& asset = shown_->view();
   const auto size = static_cast<uint32_t>(state.settings.painted_size);
   const auto [named, channel] = namedImage(layer, kind);
-  const std::filesystem::path file = paintedFile(session.document.file(), layer.name, kind);
 
   std::shared_ptr<const pipeline::ByteImage> before;
   if (const auto known = session.document.content().images.find(named);
-      known != session.document.content().images.end() && named == file)
+      known != session.document.content().images.end())
     before = known->second;
   std::string key = layer.name + "\n" + std::to_string(before ? before->width : size);
   for (const auto* names : {&layer.meshes, &layer.materials})
@@ -114,8 +100,9 @@ void PaintTool::finish(State& state) {
   const auto found = std::find_if(layers.begin(), layers.end(),
                                   [&](const pipeline::LayerRecipe& layer) { return layer.name == layer_; });
   if (found == layers.end()) return values_.clear();
+  const std::filesystem::path file =
+      paintedFile(content, session.document.file(), static_cast<size_t>(found - layers.begin()), kind_);
   pipeline::LayerRecipe& layer = *found;
-  const std::filesystem::path file = paintedFile(session.document.file(), layer.name, kind_);
   content.images[file] = std::make_shared<pipeline::ByteImage>(stroke->image());
   if (kind_ == Painted::kMask)
     layer.mask = pipeline::MaskTexture{file, 0};

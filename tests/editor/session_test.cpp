@@ -396,6 +396,31 @@ TEST_F(SessionTest, OwnSavesAreNoChange) {
   EXPECT_EQ(pipeline::readRecipe(session.document.file()).layers[0].response.beta, 9.0f);
 }
 
+// Names that come to the same, a layer that was renamed, one that was copied: no image is painted over
+// another's.
+TEST(PaintTest, EveryLayerPaintsIntoAFileOfItsOwn) {
+  Content content{pipeline::defaultRecipe(), {}};
+  auto& layers = content.recipe.layers;
+  layers.resize(2, layers[0]);
+  layers[0].name = "brow left";
+  layers[1].name = "brow_left";
+  const auto file = [&](size_t layer) { return paintedFile(content, "/a/r.json", layer, Painted::kMask); };
+  const fs::path first = file(0), other = "/a/r_brow_left_mask_2.png";
+  EXPECT_EQ(first, "/a/r_brow_left_mask.png");
+  EXPECT_EQ(file(1), first);
+  layers[0].mask = pipeline::MaskTexture{first, 0};
+  content.images[first] = std::make_shared<pipeline::ByteImage>();
+  EXPECT_EQ(file(1), other);
+  layers[0].name = "renamed";
+  EXPECT_EQ(file(0), first);
+  layers[1].mask = layers[0].mask;  // a copy
+  EXPECT_EQ(file(0), "/a/r_renamed_mask.png");
+  EXPECT_EQ(file(1), other);
+  // An image of the artist's own is not written to.
+  layers[1].mask = pipeline::MaskTexture{"/a/own.png", 0};
+  EXPECT_EQ(file(1), other);
+}
+
 TEST(PaintTest, TheBrushFadesFromItsEdgeInwards) {
   Brush brush;
   brush.falloff = 0.5f;
@@ -479,7 +504,8 @@ TEST_F(PaintedSheet, CombingAlongACreaseGivesTheDirectionAcrossIt) {
 
   // As the cook reads it: the same direction on the surface.
   Content content = session_.document.content();
-  const fs::path file = paintedFile(session_.document.file(), "lines", Painted::kDirection);
+  const fs::path file =
+      paintedFile(session_.document.content(), session_.document.file(), 0, Painted::kDirection);
   content.images[file] = std::make_shared<pipeline::ByteImage>(image);
   content.recipe.layers[0].direction = pipeline::DirectionTexture{file};
   session_.document.apply(std::move(content), "comb");
@@ -498,7 +524,7 @@ TEST_F(PaintedSheet, PaintedBiasIsWhatTheCookReads) {
   Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
   stroke.moveTo({0.2f, 0.1f, 0.0f}, {0, 0, 1});
   Content content = session_.document.content();
-  const fs::path file = paintedFile(session_.document.file(), "lines", Painted::kBias);
+  const fs::path file = paintedFile(session_.document.content(), session_.document.file(), 0, Painted::kBias);
   content.images[file] = std::make_shared<pipeline::ByteImage>(stroke.image());
   content.recipe.layers[0].bias = pipeline::Bias{{}, 0, 0.5, file};
   session_.document.apply(std::move(content), "paint");
