@@ -123,7 +123,7 @@ void run(const Options& options) {
                    options.out.c_str(), layer.name.c_str(), layer.response.lambda, layer.response.beta,
                    layer.fit->weight, layer.fit->alpha);
   for (const pipeline::TextureReport& t : report.textures)
-    if (t.format == TextureFormat::kBc5)
+    if (t.format == TextureFormat::kBc5 && !t.own)
       std::fprintf(stderr, "furrow: %s: maps \"%s\": %u x %u x %u, encoding error %.2f degrees rms\n",
                    options.out.c_str(), t.set.c_str(), t.width, t.height, t.slices, t.rms_error);
   std::fprintf(stderr, "furrow: %s: %u triangles, %u vertices, %u points, %zu bytes, %.2f s\n",

@@ -65,6 +65,12 @@ nlohmann::json describe(const OpenedAsset& opened) {
                     {"maskChannels", masks},
                     {"bytes", bytes}});
   }
+  json own_maps = json::array();
+  size_t own_bytes = 0;
+  for (const BaseMaps& maps : a.base_maps) {
+    own_bytes += maps.color.data.size() + maps.normal.data.size();
+    own_maps.push_back({{"color", describe(maps.color)}, {"normal", describe(maps.normal)}});
+  }
   for (const pipeline::Clip& clip : opened.rig.clips)
     clips.push_back({{"name", clip.name}, {"seconds", clip.duration}});
   for (const Morph& morph : a.morphs) morphs.push_back(morph.name);
@@ -87,15 +93,18 @@ nlohmann::json describe(const OpenedAsset& opened) {
           {"morphError", a.morph_error},
           {"sections",
            {{"textures", texture_bytes},
+            {"previewMaps", own_bytes},
             {"placeHash", a.place_hash.size()},
             {"rig", a.rig.size()},
-            {"geometryAndLayers", opened.bytes - texture_bytes - a.place_hash.size() - a.rig.size()}}},
+            {"geometryAndLayers",
+             opened.bytes - texture_bytes - own_bytes - a.place_hash.size() - a.rig.size()}}},
           {"gpuBytesPerAsset", per_asset},
           {"gpuBytesPerInstance", per_instance},
           {"tier", describeTier()},
           {"layers", layers},
           {"parts", parts},
           {"textureSets", sets},
+          {"previewMaps", own_maps},
           {"clips", clips},
           {"morphTargets", morphs}};
 }
@@ -143,6 +152,12 @@ void print(const nlohmann::json& j) {
       std::printf("\n");
     }
   }
+  for (const auto& maps : j["previewMaps"])
+    for (const char* kind : {"color", "normal"})
+      if (const auto& t = maps[kind]; t["slices"] != 0)
+        std::printf("  preview %s %s, %llu x %llu, %llu bytes\n", kind,
+                    t["format"].get<std::string>().c_str(), t["width"].get<unsigned long long>(),
+                    t["height"].get<unsigned long long>(), t["bytes"].get<unsigned long long>());
   for (const auto& c : j["clips"])
     std::printf("  clip   %s: %.3f s\n", c["name"].get<std::string>().c_str(), c["seconds"].get<double>());
   size_t index = 0;

@@ -34,7 +34,8 @@ constexpr GLuint kPosition = 0, kNormal = 1, kTangent = 2, kUv = 3, kWeights = 4
 constexpr GLuint kVectors = kMaxLayers / 4;  // weights and masks go in fours
 
 // Texture units.
-constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3;
+constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3, kBaseColorMap = 4,
+                kBaseNormalMap = 5;
 
 constexpr float kAnisotropy = 4.0f;
 
@@ -59,9 +60,9 @@ void refill(uint32_t buffer, GLenum target, std::span<const T> values) {
 // Null if the texture has no slices: sampling it is then excluded by the material.
 GlObject makeTexture(const Texture& texture) {
   if (texture.slices == 0) return {};
-  const GLenum format = texture.format == TextureFormat::kBc5   ? GL_COMPRESSED_RG_RGTC2
-                        : texture.format == TextureFormat::kBc4 ? GL_COMPRESSED_RED_RGTC1
-                                                                : GL_RGBA8;
+  constexpr GLenum kFormats[] = {GL_COMPRESSED_RG_RGTC2, GL_COMPRESSED_RED_RGTC1, GL_RGBA8,
+                                 GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT};
+  const GLenum format = kFormats[static_cast<size_t>(texture.format)];
   GlObject object(GlKind::kTexture);
   glBindTexture(GL_TEXTURE_2D_ARRAY, object);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -94,6 +95,9 @@ GlObject makeTexture(const Texture& texture) {
 
 struct TextureSetObjects {
   GlObject normals, shading, masks;
+};
+struct BaseMapObjects {
+  GlObject color, normal;
 };
 
 // Where the vertex shader reads a posed surface.
@@ -181,7 +185,7 @@ struct Renderer::State {
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
   void fillScene(const RenderOptions& options);
-  uint32_t surfaceProgram(const RenderOptions& options, bool maps);
+  uint32_t surfaceProgram(const RenderOptions& options, bool maps, bool base_color, bool base_normal);
   void drawShadow(const RenderOptions& options);
   void drawParts(const RenderOptions& options);
   void drawStrokes(const RenderOptions& options);
@@ -190,12 +194,13 @@ struct Renderer::State {
   std::vector<Layer> layers;  // of `asset`
   AssetView asset;
   uint32_t unmasked = kAbsent;  // the layer whose mask is painted: its weights are masked already
-  std::map<std::tuple<View, Shading, Lighting, bool>, GlObject>
+  std::map<std::tuple<View, Shading, Lighting, bool, bool, bool>, GlObject>
       surface;  // programs by surfaceProgram()'s constants
   GlObject shadow, background, stroke;
   GlObject vertex_array, uvs, colors, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
   GlObject shadow_map, shadow_frame, empty_map;
   std::vector<TextureSetObjects> texture_sets;
+  std::vector<BaseMapObjects> base_maps;
   GLintptr material_stride = 0;
   gpu::Scene scene{};
   float stroke_spacing = 0.0f;
@@ -220,6 +225,8 @@ Renderer::State::State(const AssetView& view) : layers(view.layers.begin(), view
   makeShadowMap();
   for (const TextureSet& set : asset.texture_sets)
     texture_sets.push_back({makeTexture(set.normals), makeTexture(set.shading), makeTexture(set.masks)});
+  for (const BaseMaps& maps : asset.base_maps)
+    base_maps.push_back({makeTexture(maps.color), makeTexture(maps.normal)});
   vertex_array = GlObject(GlKind::kVertexArray);
   glBindVertexArray(vertex_array);
   indices = makeBuffer(GL_ELEMENT_ARRAY_BUFFER, asset.indices, GL_STATIC_DRAW);
@@ -243,16 +250,19 @@ void Renderer::State::makePrograms() {
       makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
 }
 
-uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps) {
+uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps, bool base_color,
+                                         bool base_normal) {
   // Only the beauty view knows shadings.
   const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
-  GlObject& program = surface[{options.view, shading, options.lighting, maps}];
+  GlObject& program = surface[{options.view, shading, options.lighting, maps, base_color, base_normal}];
   if (program) return program;
+  const auto truth = [](bool value) { return value ? "true" : "false"; };
   const std::string constants =
       "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
       "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
-      "u;\nconst bool kBlinn = " + (options.lighting == Lighting::kBlinn ? "true" : "false") +
-      ";\nconst bool kMaps = " + (maps ? "true" : "false") + ";\n";
+      "u;\nconst bool kBlinn = " + truth(options.lighting == Lighting::kBlinn) +
+      ";\nconst bool kMaps = " + truth(maps) + ";\nconst bool kBaseColor = " + truth(base_color) +
+      ";\nconst bool kBaseNormal = " + truth(base_normal) + ";\n";
   program = makeProgram("surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
                         {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kLighting,
                          shaders::kSurfaceFragment});
@@ -261,6 +271,8 @@ uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps
   glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
   glUniform1i(glGetUniformLocation(program, "mask_maps"), kMaskMaps);
   glUniform1i(glGetUniformLocation(program, "shadow_map"), kShadowMap);
+  glUniform1i(glGetUniformLocation(program, "base_color_map"), kBaseColorMap);
+  glUniform1i(glGetUniformLocation(program, "base_normal_map"), kBaseNormalMap);
   return program;
 }
 
@@ -292,6 +304,14 @@ void Renderer::State::makeMaterials() {
     gpu::Material material{};
     material.base_color = shownColor(asset, part);
     material.roughness = part.roughness;
+    if (part.base_maps != kAbsent) {
+      const BaseMaps& maps = asset.base_maps[part.base_maps];
+      const float *color = maps.color_uv, *normal = maps.normal_uv;
+      material.color_uv = {color[0], color[1], color[2], color[3]};
+      material.normal_uv = {normal[0], normal[1], normal[2], normal[3]};
+      material.color_at_normal_at = {color[4], color[5], normal[4], normal[5]};
+      material.opaque_from = maps.opaque_from;
+    }
     for (glm::uvec4& slices : material.slices) slices = glm::uvec4(kAbsent);
     if (part.texture_set != kAbsent) {
       const TextureSet& set = asset.texture_sets[part.texture_set];
@@ -425,7 +445,11 @@ void Renderer::State::drawParts(const RenderOptions& options) {
     const auto mapOr = [&](const GlObject TextureSetObjects::*map) -> uint32_t {
       return set && set->*map ? set->*map : empty_map;
     };
-    glUseProgram(surfaceProgram(options, set && set->normals));
+    const BaseMapObjects* base = part.base_maps == kAbsent ? nullptr : &base_maps[part.base_maps];
+    const uint32_t color = base ? base->color : 0, normal = base ? base->normal : 0;
+    glUseProgram(surfaceProgram(options, set && set->normals, color != 0, normal != 0));
+    bind(kBaseColorMap, GL_TEXTURE_2D_ARRAY, color ? color : empty_map);
+    bind(kBaseNormalMap, GL_TEXTURE_2D_ARRAY, normal ? normal : empty_map);
     bind(kNormalMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::normals));
     bind(kShadingMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::shading));
     bind(kMaskMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::masks));

@@ -18,6 +18,26 @@ using pipeline::Exit;
 
 constexpr float kStrokesAcross = 48.0f;  // strokes from the bottom of a picture to its top
 
+// The colour that the part's own map has at a vertex, linear, blurred to a few texels.
+glm::vec3 paintedColor(const AssetView& asset, const Part& part, uint32_t v) {
+  if (part.base_maps == kAbsent || asset.base_maps[part.base_maps].color.slices == 0) return glm::vec3(1.0f);
+  const BaseMaps& maps = asset.base_maps[part.base_maps];
+  constexpr uint32_t kSide = 64;
+  uint32_t level = 0;
+  while (std::max(maps.color.width, maps.color.height) >> level > kSide) ++level;
+  const auto texel = [&](uint32_t axis, uint32_t size) {
+    const float* m = maps.color_uv + axis;
+    const float at = m[0] * asset.uvs[v].x + m[2] * asset.uvs[v].y + m[4];
+    const float within = (at - std::floor(at)) * static_cast<float>(std::max(size >> level, 1u));
+    return std::min(static_cast<uint32_t>(std::max(within, 0.0f)), std::max(size >> level, 1u) - 1);
+  };
+  const Float4 c = texelAt(maps.color, level, 0, texel(0, maps.color.width), texel(1, maps.color.height));
+  const auto linear = [](float s) {
+    return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+  };
+  return {linear(c.x), linear(c.y), linear(c.z)};
+}
+
 // Like a photographer: a subject of bright albedo gets less light into the picture, so that its form is not
 // burnt out; dark ones stay dark. The mean is that of the vertices.
 float exposureOf(const AssetView& asset) {
@@ -25,9 +45,9 @@ float exposureOf(const AssetView& asset) {
   const glm::vec3 luminance(0.2126f, 0.7152f, 0.0722f);
   double sum = 0.0;
   for (const Part& part : asset.parts) {
-    const auto albedo = double{glm::dot(glm::vec3(shownColor(asset, part)), luminance)};
+    const glm::vec3 albedo = glm::vec3(shownColor(asset, part)) * luminance;
     for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v)
-      sum += albedo * double{glm::dot(vertexColor(asset, v), luminance)};
+      sum += double{glm::dot(vertexColor(asset, v) * paintedColor(asset, part, v), albedo)};
   }
   const double mean = sum / std::max(asset.vertexCount(), 1u);
   return static_cast<float>(mean > kAlbedo ? kAlbedo / mean : 1.0);
@@ -108,7 +128,9 @@ glm::vec4 shownColor(const AssetView& asset, const Part& part) {
     return std::any_of(asset.colors.begin() + 4 * part.vertex_begin,
                        asset.colors.begin() + 4 * part.vertex_end, [](uint8_t c) { return c != 255; });
   };
-  if (base.x >= kWhite && base.y >= kWhite && base.z >= kWhite && (asset.colors.empty() || !colored()))
+  const bool painted = part.base_maps != kAbsent && asset.base_maps[part.base_maps].color.slices > 0;
+  if (!painted && base.x >= kWhite && base.y >= kWhite && base.z >= kWhite &&
+      (asset.colors.empty() || !colored()))
     return {0.40f, 0.255f, 0.19f, 1.0f};
   return {base.x, base.y, base.z, 1.0f};
 }

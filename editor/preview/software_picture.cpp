@@ -23,6 +23,9 @@ using pipeline::Image;
 glm::vec3 vec(Float3 p) {
   return {p.x, p.y, p.z};
 }
+Float3 float3(glm::vec3 p) {
+  return {p.x, p.y, p.z};
+}
 
 // Runs the passes of a job whose inputs, outputs and size are set, in memory that it keeps.
 class Rasteriser {
@@ -170,9 +173,9 @@ glm::vec3 shownColorAt(const AssetView& asset, const CpuFrame& frame, const Rend
   }
 }
 
-// Of both sides.
+// Of both sides; gloss is empty where no map is to be put under it.
 struct VertexColors {
-  std::vector<Float3> front, back;
+  std::vector<Float3> front, back, front_gloss, back_gloss;
 };
 
 VertexColors litColors(const AssetView& asset, const FrameInput& input, const CpuFrame& frame,
@@ -181,7 +184,13 @@ VertexColors litColors(const AssetView& asset, const FrameInput& input, const Cp
   const std::vector<glm::vec4> values = shownValues(asset, input, options);
   const std::vector<Neighbourhood> around = neighbourhoods(asset, frame);
   const Shadow shadow(scene, asset, frame.positions, rasteriser);
-  VertexColors colors{std::vector<Float3>(asset.vertexCount()), std::vector<Float3>(asset.vertexCount())};
+  VertexColors colors;
+  colors.front.resize(asset.vertexCount());
+  colors.back.resize(asset.vertexCount());
+  if (beauty && !asset.base_maps.empty()) {
+    colors.front_gloss.resize(asset.vertexCount());
+    colors.back_gloss.resize(asset.vertexCount());
+  }
   for (const Part& part : asset.parts) {
     const glm::vec3 part_color(shownColor(asset, part));
     for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v) {
@@ -190,16 +199,24 @@ VertexColors litColors(const AssetView& asset, const FrameInput& input, const Cp
       const glm::vec3 base = part_color * vertexColor(asset, v);
       const glm::vec3 shown = beauty ? base : shownColorAt(asset, frame, options, values, v);
       const float spread = around[v].edges / std::max(around[v].count, 1.0f);
-      const auto lit = [&](glm::vec3 form) {
-        const auto light = options.lighting == Lighting::kBlinn ? gpu::shadeBlinn : gpu::shade;
-        const glm::vec3 c = beauty ? light(scene.lights, glm::vec3(scene.up), base, form, form, view, 1.0f,
-                                           part.roughness, shadow.at(position, form, spread))
-                                   : shown * gpu::viewLight(form, view, glm::vec3(scene.lights[0]));
-        return Float3{c.x, c.y, c.z};
+      const auto light = [&](glm::vec3 form, std::vector<Float3>& lit, std::vector<Float3>& gloss) {
+        if (!beauty) {
+          lit[v] = float3(shown * gpu::viewLight(form, view, glm::vec3(scene.lights[0])));
+          return;
+        }
+        const float shade = shadow.at(position, form, spread);
+        const auto of = [&](glm::vec3 color) {
+          const auto method = options.lighting == Lighting::kBlinn ? gpu::shadeBlinn : gpu::shade;
+          return method(scene.lights, glm::vec3(scene.up), color, form, form, view, 1.0f, part.roughness,
+                        shade);
+        };
+        const glm::vec3 all = of(base), reflected = gloss.empty() ? glm::vec3(0.0f) : of(glm::vec3(0.0f));
+        lit[v] = float3(all - reflected);
+        if (!gloss.empty()) gloss[v] = float3(reflected);
       };
       const glm::vec3 front = vec(frame.normals[v]) * (around[v].facing < 0.0f ? -1.0f : 1.0f);
-      colors.front[v] = lit(front);
-      colors.back[v] = lit(-front);
+      light(front, colors.front, colors.front_gloss);
+      light(-front, colors.back, colors.back_gloss);
     }
   }
   return colors;
@@ -262,6 +279,8 @@ Image softwarePicture(const AssetView& asset, const FrameInput& input, const Ren
   job.height = options.height;
   job.colors = colors.front;
   job.back_colors = colors.back;
+  job.gloss = colors.front_gloss;
+  job.back_gloss = colors.back_gloss;
   if (options.view == View::kBeauty && options.shading == Shading::kAlpha) job.weights = frame.weights;
   job.vertex_shade = gpu::kVertexShade;
   job.picture = drawn;

@@ -15,6 +15,7 @@
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/tangents.h"
 #include "pipeline/bake/weld.h"
+#include "pipeline/cook/base_maps.h"
 #include "pipeline/cook/layer_bake.h"
 #include "pipeline/cook/map_bake.h"
 #include "pipeline/cook/writer.h"
@@ -51,6 +52,8 @@ class Cook {
       rest_offsets_ = restOffsets(scene_, file);
       dependencies_ = file.dependencies;
     }
+    stage("reading the model's maps");
+    bakeOwnMaps();
     stage("welding");
     weldVertices();
     std::vector<glm::vec3> source_rest = restFloats();
@@ -89,8 +92,8 @@ class Cook {
 
     stage("packing");
     Cooked cooked;
-    cooked.bytes = writeAsset({scene_, surface_, weld_, recipe_, layers, sets, parts_, source_vertex_,
-                               colors_, place_points_, influences_, position_error_});
+    cooked.bytes = writeAsset({scene_, surface_, weld_, recipe_, layers, sets, base_maps_.maps, parts_,
+                               source_vertex_, colors_, place_points_, influences_, position_error_});
     report();
     release(rings, squeeze, layers, sets, surface_, parts_, weld_, source_vertex_, scene_.primitives);
     stage("loading it again");
@@ -100,12 +103,17 @@ class Cook {
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
     endStage();
+    const auto tellTexture = [&](const std::string& set, const Texture& texture, bool own) {
+      if (texture.slices > 0)
+        report_.textures.push_back({set, texture.format, texture.width, texture.height, texture.slices,
+                                    texture.data.size(), texture.rms_error, texture.largest_error, own});
+    };
     for (const TextureSet& set : loaded.view().texture_sets)
       for (const Texture* texture : {&set.normals, &set.shading, &set.masks})
-        if (texture->slices > 0)
-          report_.textures.push_back({std::string(set.name), texture->format, texture->width, texture->height,
-                                      texture->slices, texture->data.size(), texture->rms_error,
-                                      texture->largest_error});
+        tellTexture(std::string(set.name), *texture, false);
+    for (size_t i = 0; i < base_maps_.maps.size(); ++i)
+      for (const Texture* texture : {&loaded.view().base_maps[i].color, &loaded.view().base_maps[i].normal})
+        tellTexture(base_maps_.maps[i].material, *texture, true);
     report_.bytes = cooked.bytes.size();
     report_.morph_error = double{loaded.view().morph_error};
     cooked.recipe = recipe_;
@@ -117,6 +125,13 @@ class Cook {
   }
 
  private:
+  void bakeOwnMaps() {
+    base_maps_ = bakeBaseMaps(scene_, recipe_.preview_size, options_.threads);
+    for (std::string& warning : base_maps_.warnings) warn(std::move(warning));
+    dependencies_.insert(dependencies_.end(), base_maps_.dependencies.begin(), base_maps_.dependencies.end());
+    release(scene_.images);
+  }
+
   void stage(const char* name) {
     endStage();
     report_.stages.push_back({name});
@@ -313,6 +328,7 @@ class Cook {
         packed.material = scene_.materials[part.material].name;
         packed.base_color = scene_.materials[part.material].base_color;
         packed.roughness = scene_.materials[part.material].roughness;
+        if (!primitive.uvs.empty()) packed.base_maps = base_maps_.of_material[part.material];
       }
       packColors(primitive, geometry_.back().source);
       packed.palette_begin = part.palette_begin;
@@ -564,6 +580,7 @@ class Cook {
   std::vector<glm::u8vec4> colors_;  // AssetView::colors of the parts packed so far; empty while none has any
   size_t packed_vertices_ = 0;
   std::vector<std::pair<uint32_t, uint32_t>> place_points_;  // a slot of the hash
+  SceneBaseMaps base_maps_;
   std::vector<std::filesystem::path> dependencies_;
   uint32_t influences_ = 1;
   std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest

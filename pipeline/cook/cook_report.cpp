@@ -33,7 +33,8 @@ std::string reportText(const CookReport& report, const std::string& asset) {
                         {"slices", t.slices},
                         {"bytes", t.bytes},
                         {"rmsError", t.rms_error},
-                        {"largestError", t.largest_error}});
+                        {"largestError", t.largest_error},
+                        {"preview", t.own}});
   const json out = {{"asset", asset},
                     {"bytes", report.bytes},
                     {"vertices", report.vertices},

@@ -37,6 +37,7 @@ struct TextureReport {
   uint32_t width = 0, height = 0, slices = 0;
   size_t bytes = 0;
   float rms_error = 0.0f, largest_error = 0.0f;
+  bool own = false;  // of the model's own maps; `set` is then a material
 };
 
 struct CookReport {

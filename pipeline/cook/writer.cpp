@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <numeric>
 
 #include "asset_header.h"
@@ -59,13 +60,14 @@ class Writer {
                           : streamOf(in_.surface.point_positions, sizeof(glm::vec3));
     const auto place_points = writeStream(b_, in_.place_points.data(), 8, in_.place_points.size());
     const auto colors = streamOf(in_.colors, sizeof(glm::u8vec4));
+    const auto base_maps = writeBaseMaps();
     const auto asset = format::CreateAsset(
         b_, b_.CreateString(FURROW_VERSION), b_.CreateString(in_.scene.file.filename().string()),
         in_.influences, static_cast<float>(in_.position_error), b_.CreateVector(parts),
         b_.CreateVector(palette), b_.CreateVector(morphs), b_.CreateVector(layers), b_.CreateVector(sets),
         static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, rest,
         bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)),
-        static_cast<float>(morph_error_), colors);
+        static_cast<float>(morph_error_), colors, base_maps);
     format::FinishAssetBuffer(b_, asset);
 
     AssetHeader header = {};
@@ -143,6 +145,19 @@ class Writer {
   Offset<format::Stream> streamOf(const std::vector<T>& values, uint32_t stride) {
     return values.empty() ? Offset<format::Stream>()
                           : writeStream(b_, values.data(), stride, values.size() * sizeof(T) / stride);
+  }
+
+  Offset<flatbuffers::Vector<Offset<format::BaseMaps>>> writeBaseMaps() {
+    std::vector<Offset<format::BaseMaps>> out;
+    const auto uv = [&](const MaterialMap& map) {
+      return map.uv == MaterialMap().uv ? 0 : b_.CreateVector(glm::value_ptr(map.uv), 6);
+    };
+    for (const BakedBaseMaps& maps : in_.base_maps) {
+      const auto color = writeTexture(maps.color), normal = writeTexture(maps.normal);
+      const auto color_uv = uv(maps.source.color), normal_uv = uv(maps.source.normal);
+      out.push_back(format::CreateBaseMaps(b_, color, color_uv, maps.source.opaque_from, normal, normal_uv));
+    }
+    return out.empty() ? 0 : b_.CreateVector(out);
   }
 
   Offset<format::Texture> writeTexture(const EncodedTexture& texture) {

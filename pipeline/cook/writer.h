@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/bake/weld.h"
+#include "pipeline/cook/base_maps.h"
 #include "pipeline/cook/layer_bake.h"
 #include "pipeline/cook/map_bake.h"
 #include "pipeline/pack/geometry.h"
@@ -20,6 +21,7 @@ struct PackInput {
   const Recipe& recipe;
   const std::vector<BakedLayer>& layers;
   const std::vector<BakedTextureSet>& texture_sets;
+  const std::vector<BakedBaseMaps>& base_maps;
   const std::vector<PackedPart>& parts;        // by surface part
   const std::vector<uint32_t>& source_vertex;  // of the surface's vertices
   const std::vector<glm::u8vec4>& colors;      // of the surface's vertices, or empty

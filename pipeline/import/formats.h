@@ -17,9 +17,9 @@ namespace furrow::pipeline {
 enum class MeshFormat { kObj, kPly, kStlText, kStlBinary, kOff };
 
 SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> bytes);
-// The files of its buffers.
-std::vector<std::filesystem::path> gltfBuffers(const std::filesystem::path& file,
-                                               const std::vector<uint8_t>& bytes);
+// The files of its buffers, and of the images that a cook may read as far as they are there.
+std::vector<std::filesystem::path> gltfFiles(const std::filesystem::path& file,
+                                             const std::vector<uint8_t>& bytes);
 
 // The faces of a mesh file as they stand in it: not split at seams, not cut into triangles.
 struct Polygons {

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kWeightSumNoise = 1e-6;  // left as it is
 constexpr double kWeightSumSlack = 1e-3;  // corrected without a word
+constexpr float kBlendCutoff = 0.35f;     // of blended materials, which are drawn as cut out
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what);
@@ -161,14 +162,64 @@ class GltfImporter {
 
   void readMaterials() {
     for (const tinygltf::Material& in : model_.materials) {
-      Material material{in.name};
+      Material material;
+      material.name = in.name;
       const std::vector<double>& color = in.pbrMetallicRoughness.baseColorFactor;
       for (size_t c = 0; c < std::min<size_t>(color.size(), 4); ++c)
         material.base_color[static_cast<int>(c)] = static_cast<float>(std::clamp(color[c], 0.0, 1.0));
       const double roughness = in.pbrMetallicRoughness.roughnessFactor;  // 1 where the file says nothing
       if (roughness >= 0.0 && roughness < 1.0) material.roughness = static_cast<float>(roughness);
+      MaterialMaps& maps = material.maps;
+      if (in.alphaMode == "MASK")
+        maps.opaque_from = std::clamp(static_cast<float>(in.alphaCutoff), 0.0f, 1.0f);
+      if (in.alphaMode == "BLEND") maps.opaque_from = kBlendCutoff;
+      maps.color = readMap(in.pbrMetallicRoughness.baseColorTexture, in, "base colour");
+      maps.normal = readMap(in.normalTexture, in, "normal");
+      if (std::isfinite(in.normalTexture.scale))
+        maps.normal_scale = static_cast<float>(in.normalTexture.scale);
       scene_.materials.push_back(std::move(material));
     }
+  }
+
+  template <typename Info>
+  MaterialMap readMap(const Info& info, const tinygltf::Material& material, const char* use) {
+    MaterialMap map;
+    if (info.index < 0) return map;
+    try {
+      int set = info.texCoord;
+      if (const auto found = info.extensions.find("KHR_texture_transform"); found != info.extensions.end())
+        readTransform(found->second, map.uv, set);
+      if (set != 0)
+        fail("it lies in TEXCOORD_" + std::to_string(set) + ", and furrow keeps TEXCOORD_0 alone");
+      const auto [entry, added] =
+          images_.try_emplace(document_.imageNumber(info.index), static_cast<uint32_t>(scene_.images.size()));
+      if (added) scene_.images.push_back(document_.image(info.index));
+      map.image = entry->second;
+    } catch (const std::runtime_error& e) {
+      warn(named("material", static_cast<size_t>(&material - model_.materials.data()), material.name) +
+           ": its " + use + " texture is left out: " + e.what());
+    }
+    return map;
+  }
+
+  // KHR_texture_transform: scaled, turned, moved.
+  static void readTransform(const tinygltf::Value& transform, glm::mat3x2& uv, int& set) {
+    const auto number = [](const tinygltf::Value& value, double otherwise) {
+      return static_cast<float>(value.IsNumber() ? value.GetNumberAsDouble() : otherwise);
+    };
+    const auto pair = [&](const char* key, double otherwise) {
+      const tinygltf::Value& value = transform.Get(key);
+      if (!value.IsArray() || value.ArrayLen() != 2) return glm::vec2(static_cast<float>(otherwise));
+      return glm::vec2(number(value.Get(0), otherwise), number(value.Get(1), otherwise));
+    };
+    const glm::vec2 scale = pair("scale", 1.0);
+    const float turn = number(transform.Get("rotation"), 0.0);
+    uv[0] = glm::vec2(std::cos(turn), -std::sin(turn)) * scale.x;
+    uv[1] = glm::vec2(std::sin(turn), std::cos(turn)) * scale.y;
+    uv[2] = pair("offset", 0.0);
+    for (int column = 0; column < 3; ++column)
+      if (!std::isfinite(uv[column].x) || !std::isfinite(uv[column].y)) fail("its transform is not finite");
+    if (const tinygltf::Value& other = transform.Get("texCoord"); other.IsInt()) set = other.Get<int>();
   }
 
   void readMesh(size_t m) {
@@ -665,7 +716,8 @@ class GltfImporter {
   std::vector<std::vector<uint32_t>> shown_;  // nodes of every mesh, ascending
   std::map<int, Range> skin_palettes_;
   std::map<uint32_t, uint32_t> node_palette_;
-  std::string where_;  // what is being read, for messages
+  std::map<int, uint32_t> images_;  // number in the file, in the scene
+  std::string where_;               // what is being read, for messages
   size_t repaired_numbers_ = 0;
   size_t unbound_vertices_ = 0;
   size_t unbalanced_vertices_ = 0;

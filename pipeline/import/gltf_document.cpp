@@ -28,6 +28,8 @@ constexpr size_t kNumbersAtLeast = size_t{1} << 26, kNumbersPerByte = 64;
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kQuantization = "KHR_mesh_quantization";
+constexpr const char* kWebp = "EXT_texture_webp";
+constexpr const char* kTextureTransform = "KHR_texture_transform";
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what);
@@ -116,10 +118,11 @@ std::vector<std::string> checkExtensions(const json& root) {
   for (const json& entry : *required) {
     if (!entry.is_string()) fail("\"extensionsRequired\" holds something that is not a name");
     const std::string name = entry.get<std::string>();
-    if (name == kDraco || name == kMeshopt || name == kQuantization) continue;
+    if (name == kDraco || name == kMeshopt || name == kQuantization || name == kWebp ||
+        name == kTextureTransform)
+      continue;
     const auto about = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (about("_materials_") || about("_lights_") || about("_xmp") || name == "EXT_texture_webp" ||
-        name == "KHR_texture_transform" || name == "KHR_animation_pointer") {
+    if (about("_materials_") || about("_lights_") || about("_xmp") || name == "KHR_animation_pointer") {
       warnings.push_back("the required extension " + name + " is left out: it does not shape the surface");
     } else {
       fail("it requires the extension " + name + ", which furrow does not read");
@@ -131,6 +134,22 @@ std::vector<std::string> checkExtensions(const json& root) {
 const json* find(const json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
+}
+
+// Element `index` of an array of the root; null where either is not sound.
+const json* element(const json& root, const char* array, const json* index) {
+  const json* list = find(root, array);
+  if (!list || !list->is_array() || !index || !index->is_number_unsigned()) return nullptr;
+  const auto i = index->get<size_t>();
+  return i < list->size() ? &(*list)[i] : nullptr;
+}
+
+// The number of a texture's image; null if it has none of a format that is read.
+const json* imageOf(const json& texture) {
+  if (const json* source = find(texture, "source")) return source;
+  const json* extensions = find(texture, "extensions");
+  const json* webp = extensions ? find(*extensions, kWebp) : nullptr;
+  return webp ? find(*webp, "source") : nullptr;
 }
 
 // tinygltf leaves out primitives that it cannot read without a word, and refuses indices that have no buffer
@@ -219,16 +238,16 @@ bool isData(const std::string& uri) {
   return uri.starts_with("data:");
 }
 
-std::filesystem::path bufferFile(const std::filesystem::path& file, const std::string& uri) {
+std::filesystem::path fileOf(const std::filesystem::path& file, const std::string& uri) {
   const std::string name = decodePercent(uri);
-  if (name.empty() || name.find('\0') != std::string::npos) fail("a buffer has a URI that names no file");
+  if (name.empty() || name.find('\0') != std::string::npos) fail("a URI in it names no file");
   return file.parent_path() / std::filesystem::u8path(name);
 }
 
 std::vector<uint8_t> decodeDataUri(const std::string& uri) {
   constexpr std::string_view kBase64 = ";base64,";
   const size_t header = uri.find(kBase64);
-  if (header == std::string::npos || uri.find(',') < header) fail("a buffer's data URI is not in base64");
+  if (header == std::string::npos || uri.find(',') < header) fail("a data URI in it is not in base64");
   std::vector<uint8_t> bytes;
   std::string mime_type;
   tinygltf::DecodeDataURI(&bytes, mime_type,
@@ -379,7 +398,7 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
     } else if (const std::string& text = uri->get_ref<const std::string&>(); isData(text)) {
       buffer.owned = decodeDataUri(text);
     } else {
-      const std::filesystem::path path = bufferFile(file_, text);
+      const std::filesystem::path path = fileOf(file_, text);
       if (!std::filesystem::is_regular_file(path))
         throw Error(Exit::kBadData, file_.string(),
                     "it needs the file " + path.string() + ", which is not there",
@@ -400,6 +419,7 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
     buffers_.push_back(std::move(buffer));
   }
 
+  readImages(root);
   dropUnused(root);
   checkWholeNumbers(root, "");
   const std::string text = root.dump();
@@ -412,17 +432,74 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
     fail(error.empty() ? "tinygltf cannot read it" : error);
 }
 
-std::vector<std::filesystem::path> gltfBuffers(const std::filesystem::path& file,
-                                               const std::vector<uint8_t>& bytes) {
+std::vector<std::filesystem::path> gltfFiles(const std::filesystem::path& file,
+                                             const std::vector<uint8_t>& bytes) {
   const json root = parseJson(isGlb(bytes) ? openGlb(bytes).json : bytes);
   std::vector<std::filesystem::path> files;
-  const json* buffers = find(root, "buffers");
-  for (size_t b = 0; buffers && buffers->is_array() && b < buffers->size(); ++b) {
-    const json* uri = (*buffers)[b].is_object() ? find((*buffers)[b], "uri") : nullptr;
-    if (uri && uri->is_string() && !isData(uri->get_ref<const std::string&>()))
-      files.push_back(bufferFile(file, uri->get_ref<const std::string&>()));
-  }
+  const auto add = [&](const json* entry, bool needed) {
+    const json* uri = entry ? find(*entry, "uri") : nullptr;
+    if (!uri || !uri->is_string() || isData(uri->get_ref<const std::string&>())) return;
+    std::filesystem::path path = fileOf(file, uri->get_ref<const std::string&>());
+    if (std::ranges::find(files, path) == files.end() && (needed || std::filesystem::is_regular_file(path)))
+      files.push_back(std::move(path));
+  };
+  const auto each = [&](const char* array, const auto& visit) {
+    const json* list = find(root, array);
+    if (list && list->is_array()) std::for_each(list->begin(), list->end(), visit);
+  };
+  each("buffers", [&](const json& buffer) { add(&buffer, true); });
+  each("materials", [&](const json& material) {
+    const json* pbr = find(material, "pbrMetallicRoughness");
+    for (const json* info :
+         {pbr ? find(*pbr, "baseColorTexture") : nullptr, find(material, "normalTexture")}) {
+      const json* texture = info ? element(root, "textures", find(*info, "index")) : nullptr;
+      if (texture) add(element(root, "images", imageOf(*texture)), false);
+    }
+  });
   return files;
+}
+
+void GltfDocument::readImages(const json& root) {
+  const json* textures = find(root, "textures");
+  for (size_t t = 0; textures && textures->is_array() && t < textures->size(); ++t) {
+    Image& image = texture_images_.emplace_back();
+    const json* number = imageOf((*textures)[t]);
+    const json* entry = element(root, "images", number);
+    if (!entry) continue;
+    image.number = number->get<int>();
+    const auto text = [&](const char* key) {
+      const json* value = find(*entry, key);
+      return value && value->is_string() ? value->get<std::string>() : std::string();
+    };
+    image.name = text("name");
+    image.uri = text("uri");
+    if (const json* view = find(*entry, "bufferView"); view && view->is_number_unsigned())
+      image.view = view->get<int>();
+  }
+}
+
+int GltfDocument::imageNumber(int texture) const {
+  if (texture < 0 || static_cast<size_t>(texture) >= texture_images_.size())
+    fail("there is no texture " + std::to_string(texture));
+  const int number = texture_images_[static_cast<size_t>(texture)].number;
+  if (number < 0) fail("it has no PNG, JPEG or WebP image");
+  return number;
+}
+
+SourceImage GltfDocument::image(int texture) {
+  SourceImage out;
+  out.name = "image " + std::to_string(imageNumber(texture));
+  const Image& image = texture_images_[static_cast<size_t>(texture)];
+  if (!image.name.empty()) out.name += " \"" + image.name + "\"";
+  if (isData(image.uri)) {
+    out.bytes = decodeDataUri(image.uri);
+  } else if (!image.uri.empty()) {
+    out.file = fileOf(file_, image.uri);
+  } else {
+    const Bytes bytes = viewBytes(image.view);
+    out.bytes.assign(bytes.begin(), bytes.end());
+  }
+  return out;
 }
 
 bool GltfDocument::uses(const std::string& extension) const {

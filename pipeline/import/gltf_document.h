@@ -4,7 +4,7 @@
 // tinygltf), buffers, accessors, Draco and meshopt compression. What is wrong with the file throws Error or
 // std::runtime_error.
 
-// Images are not read; the class differs with these, so that nothing else may include the header.
+// Images are not decoded; the class differs with these, so that nothing else may include the header.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE
@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,6 +47,8 @@ void readFloats(const AccessorView& view, bool normalized, std::span<float> out)
 // All elements of an accessor of unsigned integers.
 std::vector<uint32_t> readUnsigned(const AccessorView& view);
 
+struct SourceImage;
+
 class GltfDocument {
  public:
   GltfDocument(const std::filesystem::path& file, std::vector<uint8_t> bytes);
@@ -59,21 +62,32 @@ class GltfDocument {
 
   AccessorView accessor(int index);
 
+  // The image of a texture, as encoded (PNG, JPEG or WebP), and its number in the file.
+  SourceImage image(int texture);
+  int imageNumber(int texture) const;
+
   // The primitive's Draco mesh, decoded; null if it has none.
   std::unique_ptr<const DracoMesh> draco(const tinygltf::Primitive& primitive);
 
  private:
+  // Where the image of a texture is; number -1: nowhere, or in no format that is read.
+  struct Image {
+    int number = -1, view = -1;
+    std::string name, uri;
+  };
   struct Buffer {
     std::vector<uint8_t> owned;
     std::span<const uint8_t> bytes;
   };
 
+  void readImages(const nlohmann::json& root);
   std::span<const uint8_t> bufferBytes(int buffer, size_t offset, size_t length, const std::string& of) const;
   std::span<const uint8_t> viewBytes(int view);
 
   std::filesystem::path file_;
   std::vector<uint8_t> bytes_;
   std::vector<Buffer> buffers_;
+  std::vector<Image> texture_images_;
   size_t total_bytes_ = 0;
   size_t numbers_ = 0;  // in all accessors that were asked for
   tinygltf::Model model_;

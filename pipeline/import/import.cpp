@@ -128,7 +128,7 @@ std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& fi
     const std::vector<uint8_t> bytes = readModel(file);
     std::vector<std::filesystem::path> files = {file};
     if (!tellFormat(file, bytes))
-      for (std::filesystem::path& buffer : gltfBuffers(file, bytes)) files.push_back(std::move(buffer));
+      for (std::filesystem::path& other : gltfFiles(file, bytes)) files.push_back(std::move(other));
     return files;
   });
 }

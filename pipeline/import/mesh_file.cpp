@@ -538,7 +538,7 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
       const auto [entry, added] = known.try_emplace(name, static_cast<uint32_t>(polygons.size()));
       if (added) {
         polygons.emplace_back();
-        scene.materials.push_back({name});
+        scene.materials.emplace_back().name = name;
       }
       material_of[change] = entry->second;
     }

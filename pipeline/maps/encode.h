@@ -22,7 +22,8 @@ struct EncodedTexture {
 };
 
 constexpr const char* textureFormatName(TextureFormat format) {
-  return format == TextureFormat::kBc5 ? "BC5" : format == TextureFormat::kBc4 ? "BC4" : "RGBA8";
+  constexpr const char* kNames[] = {"BC5", "BC4", "RGBA8", "BC1", "BC3"};
+  return kNames[static_cast<size_t>(format)];
 }
 
 // For each texel of a slice, whether a chart has it (else 0). Empty: all texels.

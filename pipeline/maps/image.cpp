@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <system_error>
 
 #include "pipeline/error.h"
@@ -36,8 +37,9 @@ const ImageModule& imageModule() {
   return module;
 }
 
+// `name`: for messages.
 template <class AnyImage>
-AnyImage read(const std::filesystem::path& file) {
+AnyImage read(const ImageModule::Source& source, const std::string& name) {
   AnyImage image;
   const auto place = [](void* context, int width, int height, int depth, int channels) -> void* {
     AnyImage& to = *static_cast<AnyImage*>(context);
@@ -51,18 +53,17 @@ AnyImage read(const std::filesystem::path& file) {
     return to.pixels.data();
   };
   const ImageModule::Reading reading =
-      imageModule().read(file.c_str(), std::is_same_v<AnyImage, ByteImage>, place, &image);
+      imageModule().read(source, std::is_same_v<AnyImage, ByteImage>, place, &image);
   if (!reading.opened)
-    throw Error(Exit::kBadData, file.string(),
-                std::string("it cannot be read as an image (") + reading.fault + ")",
-                "give a PNG, JPEG, TGA, TIFF or EXR file");
+    throw Error(Exit::kBadData, name, std::string("it cannot be read as an image (") + reading.fault + ")",
+                "give a PNG, JPEG, WebP, TGA, TIFF or EXR file");
   if (image.pixels.empty())
-    throw Error(Exit::kBadData, file.string(),
+    throw Error(Exit::kBadData, name,
                 "the image is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
                     " with " + std::to_string(image.channels) + " channels",
                 "give one of at most 16384 x 16384 texels and 1 to 4 channels");
   if (reading.fault)
-    throw Error(Exit::kBadData, file.string(), std::string("the image is damaged (") + reading.fault + ")",
+    throw Error(Exit::kBadData, name, std::string("the image is damaged (") + reading.fault + ")",
                 "export it again");
   return image;
 }
@@ -79,7 +80,7 @@ std::filesystem::path imageModuleFile() {
 }
 
 Image readImage(const std::filesystem::path& file) {
-  Image image = read<Image>(file);
+  Image image = read<Image>({file.c_str(), nullptr, 0}, file.string());
   if (!std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); }))
     throw Error(Exit::kBadData, file.string(), "the image holds values that are not finite",
                 "export it again");
@@ -87,7 +88,18 @@ Image readImage(const std::filesystem::path& file) {
 }
 
 ByteImage readByteImage(const std::filesystem::path& file) {
-  return read<ByteImage>(file);
+  return read<ByteImage>({file.c_str(), nullptr, 0}, file.string());
+}
+
+ByteImage readByteImage(std::span<const uint8_t> bytes, const std::string& name) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const char* format = text.starts_with("\x89PNG")    ? "embedded.png"
+                       : text.starts_with("\xff\xd8") ? "embedded.jpg"
+                       : text.starts_with("RIFF") && text.size() > 12 && text.substr(8, 4) == "WEBP"
+                           ? "embedded.webp"
+                           : nullptr;
+  if (!format) throw Error(Exit::kBadData, name, "it is neither PNG nor JPEG nor WebP", "export it again");
+  return read<ByteImage>({format, bytes.data(), bytes.size()}, name);
 }
 
 Image toFloats(const ByteImage& image) {

@@ -9,6 +9,8 @@
 #include <glm/vec2.hpp>
 #include <map>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace furrow::pipeline {
@@ -44,6 +46,9 @@ Image readImage(const std::filesystem::path& file);
 
 // The same in bytes: 8-bit files to the bit, others rounded.
 ByteImage readByteImage(const std::filesystem::path& file);
+
+// The same of a PNG, JPEG or WebP file that is in memory, called `name` in messages.
+ByteImage readByteImage(std::span<const uint8_t> bytes, const std::string& name);
 
 // The same in floats.
 Image toFloats(const ByteImage& image);

@@ -1,11 +1,13 @@
 #include "pipeline/maps/image_module.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -47,12 +49,24 @@ class Silence {
   static inline int users_ = 0, stderr_ = -1;
 };
 
-ImageModule::Reading read(const char* file, bool bytes, ImageModule::Place place, void* context) {
+// OpenImageIO multiplies by alpha what WebP has not, whatever it is told.
+template <typename T>
+void divideByAlpha(T* pixels, size_t count, float whole) {
+  for (T* p = pixels; p != pixels + 4 * count; p += 4)
+    for (int c = 0; c < 3 && p[3] > T(0); ++c) {
+      const float value = std::min(static_cast<float>(p[c]) * whole / static_cast<float>(p[3]), whole);
+      p[c] = std::is_integral_v<T> ? static_cast<T>(value + 0.5f) : static_cast<T>(value);
+    }
+}
+
+ImageModule::Reading read(const ImageModule::Source& source, bool bytes, ImageModule::Place place,
+                          void* context) {
   // Without it a fourth channel is taken for alpha and the other three are multiplied by it.
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   const Silence silence;
-  const auto input = OIIO::ImageInput::open(file, &config);
+  OIIO::Filesystem::IOMemReader memory(const_cast<void*>(source.data), source.size);
+  const auto input = OIIO::ImageInput::create(source.name, true, &config, source.data ? &memory : nullptr);
   if (!input) return {false, fault(OIIO::geterror())};
   const OIIO::ImageSpec& spec = input->spec();
   void* const pixels = place(context, spec.width, spec.height, spec.depth, spec.nchannels);
@@ -67,6 +81,13 @@ ImageModule::Reading read(const char* file, bool bytes, ImageModule::Place place
     done = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data());
     std::transform(values.begin(), values.end(), static_cast<float*>(pixels),
                    [](uint16_t v) { return static_cast<float>(v) / 65535.0f; });
+  }
+  const size_t count = size_t{static_cast<unsigned>(spec.width)} * static_cast<unsigned>(spec.height);
+  if (done && spec.nchannels == 4 && std::strcmp(input->format_name(), "webp") == 0) {
+    if (bytes)
+      divideByAlpha(static_cast<uint8_t*>(pixels), count, 255.0f);
+    else
+      divideByAlpha(static_cast<float*>(pixels), count, 1.0f);
   }
   return {true, done ? nullptr : fault(input->geterror())};
 }

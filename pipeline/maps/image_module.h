@@ -4,7 +4,7 @@
 // by the first image that is read: OpenImageIO draws in 260 libraries. Both sides come from one
 // build. Functions may be called from any thread.
 
-#include <cstdint>
+#include <cstddef>
 
 namespace furrow::pipeline {
 
@@ -18,8 +18,15 @@ struct ImageModule {
   // ends the reading.
   using Place = void* (*)(void* context, int width, int height, int depth, int channels);
 
+  // Where an image is: in a file, or in memory (`data` is not null), and then `name` tells its format alone.
+  struct Source {
+    const char* name;
+    const void* data;
+    size_t size;
+  };
+
   // Pixels are floats, or bytes.
-  Reading (*read)(const char* file, bool bytes, Place place, void* context);
+  Reading (*read)(const Source& source, bool bytes, Place place, void* context);
 };
 
 // The module's only symbol.

@@ -196,7 +196,7 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
                             part.vertices, part.triangles, builder.CreateVector(attributes),
                             builder.CreateVector(part.draco), indices, part.palette_begin, part.palette_count,
                             part.texture_set, &color, builder.CreateVector(affineRows(part.rest)),
-                            part.has_normals, part.has_uvs, part.roughness);
+                            part.has_normals, part.has_uvs, part.roughness, part.base_maps);
 }
 
 double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t> indices) {

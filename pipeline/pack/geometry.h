@@ -35,7 +35,7 @@ struct PackedPart {
   std::vector<uint32_t> indices;  // raw
   // Of the part, to be filled by the cook.
   std::string mesh, material;
-  uint32_t palette_begin = 0, palette_count = 1, texture_set = 0xffffffffu;
+  uint32_t palette_begin = 0, palette_count = 1, texture_set = 0xffffffffu, base_maps = 0xffffffffu;
   glm::vec4 base_color{1.0f};
   float roughness = 0.5f;
   glm::dmat4 rest{1.0};

@@ -124,6 +124,7 @@ struct Recipe {
   std::optional<double> weld_tolerance;  // default: worked out from the bounding box
   uint32_t map_size =
       0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
+  uint32_t preview_size = 1024;  // longest side of the model's own maps that are kept for previews; 0: none
   std::vector<LayerRecipe> layers;
 };
 

@@ -206,6 +206,10 @@ const JsonShape& recipeShape() {
         "How vertices are welded into points."},
        {"mapSize", integer(16, 8192),
         "Largest side of a wrinkle map, in texels; default: worked out, at most 2048."},
+       {"previewSize", integer(0, 8192),
+        "Largest side, in texels, of the model's own colour and normal maps, which the asset keeps for "
+        "previews; 0 "
+        "leaves them out. Default 1024."},
        {"layers", list(describeLayer(), 1, kMaxLayers), "The wrinkle layers.", true}});
   return shape;
 }

@@ -26,6 +26,7 @@ class Writer {
     if (recipe.weld_tolerance)
       out["weld"] = {{"tolerance", number(static_cast<float>(*recipe.weld_tolerance))}};
     if (recipe.map_size != 0) out["mapSize"] = recipe.map_size;
+    if (recipe.preview_size != Recipe().preview_size) out["previewSize"] = recipe.preview_size;
     out["layers"] = json::array();
     for (const LayerRecipe& l : recipe.layers) out["layers"].push_back(layer(l));
     return out;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/mat3x2.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -65,10 +66,36 @@ struct Lines {
   std::vector<glm::vec3> points;  // two a line, in the node's space
 };
 
+// An image file of the scene's, not decoded: embedded, or a file beside it that may be missing.
+struct SourceImage {
+  std::string name;  // for messages
+  std::filesystem::path file;
+  std::vector<uint8_t> bytes;  // where `file` is empty
+};
+
+// An image as a material uses it; it repeats.
+struct MaterialMap {
+  uint32_t image = kNoIndex;  // none
+  // From TEXCOORD_0 to the image, its origin in the upper left corner.
+  glm::mat3x2 uv{1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f};
+
+  bool operator==(const MaterialMap&) const = default;
+};
+
+struct MaterialMaps {
+  MaterialMap color;         // sRGB-encoded, times Material::base_color
+  float opaque_from = 0.0f;  // opacity below which nothing is seen
+  MaterialMap normal;        // in tangent space, green up
+  float normal_scale = 1.0f;
+
+  bool operator==(const MaterialMaps&) const = default;
+};
+
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};  // linear
   float roughness = 0.5f;      // [0, 1]
+  MaterialMaps maps;
 };
 
 struct SourceScene {
@@ -77,6 +104,7 @@ struct SourceScene {
   std::vector<Part> parts;  // by mesh in file order, then primitive, then node: this is source vertex order
   std::vector<Lines> lines;
   std::vector<Material> materials;
+  std::vector<SourceImage> images;  // that the materials use
   Rig rig;
   bool sequence = false;                            // the morph targets are the frames of the one clip
   uint32_t polygons = 0;                            // faces of more than three corners, cut into triangles

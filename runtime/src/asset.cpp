@@ -46,6 +46,7 @@ struct Asset::Storage {
   Array<Layer> layers{memory};
   Array<Driver> drivers{memory};
   Array<TextureSet> texture_sets{memory};
+  Array<BaseMaps> base_maps{memory};
   // What morphs, layers and drivers point into.
   Arrays<Float2> curves{memory};
   Arrays<uint32_t> words{memory};
@@ -99,7 +100,8 @@ size_t textureLevelBytes(TextureFormat format, uint32_t width, uint32_t height, 
   const size_t w = std::max(1u, width >> level);
   const size_t h = std::max(1u, height >> level);
   if (format == TextureFormat::kRgba8) return w * h * 4;
-  return ((w + 3) / 4) * ((h + 3) / 4) * (format == TextureFormat::kBc5 ? 16 : 8);
+  const bool two_halves = format == TextureFormat::kBc5 || format == TextureFormat::kBc3;
+  return ((w + 3) / 4) * ((h + 3) / 4) * (two_halves ? 16 : 8);
 }
 
 Asset::Asset() = default;
@@ -115,9 +117,9 @@ class Loader {
   Loader(Asset::Storage& storage, const format::Asset& asset) : s_(storage), a_(asset) {}
 
   Status load() {
-    for (const auto step :
-         {&Loader::loadParts, &Loader::loadColors, &Loader::loadPalette, &Loader::loadPoints,
-          &Loader::loadRest, &Loader::loadMorphs, &Loader::loadTextures, &Loader::loadLayers})
+    for (const auto step : {&Loader::loadParts, &Loader::loadColors, &Loader::loadPalette,
+                            &Loader::loadPoints, &Loader::loadRest, &Loader::loadMorphs,
+                            &Loader::loadTextures, &Loader::loadBaseMaps, &Loader::loadLayers})
       if (Status status = (this->*step)(); !status.ok()) return status;
     return {};
   }
@@ -151,6 +153,9 @@ class Loader {
       out.has_uvs = part->has_uvs();
       out.roughness = part->roughness();
       if (!(out.roughness >= 0.0f && out.roughness <= 1.0f)) return bad("a part's roughness is out of range");
+      out.base_maps = part->base_maps();
+      if (out.base_maps != kAbsent && (!a_.base_maps() || out.base_maps >= a_.base_maps()->size()))
+        return bad("a part's own maps are out of range");
       out.position_offset = geometry.position_offset;
       out.position_step = geometry.position_step;
       append(geometry, out.vertex_begin, part->palette_begin());
@@ -385,6 +390,35 @@ class Loader {
     return {};
   }
 
+  Status loadBaseMaps() {
+    for (uint32_t i = 0; a_.base_maps() && i < a_.base_maps()->size(); ++i) {
+      const format::BaseMaps* maps = a_.base_maps()->Get(i);
+      BaseMaps out = {};
+      const bool with_opacity =
+          maps->color() && maps->color()->format() == static_cast<uint8_t>(TextureFormat::kBc3);
+      if (Status status =
+              loadTexture(maps->color(), with_opacity ? TextureFormat::kBc3 : TextureFormat::kBc1, out.color);
+          !status.ok())
+        return status;
+      if (Status status = loadTexture(maps->normal(), TextureFormat::kBc5, out.normal); !status.ok())
+        return status;
+      out.opaque_from = maps->opaque_from();
+      if (out.color.slices > 1 || out.normal.slices > 1 || !readUv(maps->color_uv(), out.color_uv) ||
+          !readUv(maps->normal_uv(), out.normal_uv) || !(out.opaque_from >= 0.0f && out.opaque_from <= 1.0f))
+        return bad("the model's own maps are not sound");
+      s_.base_maps.push_back(out);
+    }
+    return {};
+  }
+
+  static bool readUv(const flatbuffers::Vector<float>* numbers, float (&out)[6]) {
+    out[0] = out[3] = 1.0f;
+    if (!numbers) return true;
+    if (numbers->size() != 6) return false;
+    std::copy_n(numbers->data(), 6, out);
+    return std::all_of(out, out + 6, [](float n) { return std::isfinite(n); });
+  }
+
   Status loadLayers() {
     for (const format::Layer* layer : *a_.layers()) {
       if (layer->measure() > static_cast<uint8_t>(Measure::kNone) ||
@@ -541,7 +575,8 @@ Status Asset::load(std::span<const std::byte> file, std::pmr::memory_resource* m
            s.place_points,
            asset.position_error(),
            asset.morph_error(),
-           s.colors};
+           s.colors,
+           s.base_maps};
   storage_ = std::move(storage);
   return {};
 } catch (const std::bad_alloc&) {

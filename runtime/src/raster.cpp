@@ -201,6 +201,9 @@ Status RasterJob::validate() const {
   if (positions.size() < count || vertices.size() < count) return fail("positions or vertices are too short");
   if ((!picture.empty() && colors.size() < count) || (!back_colors.empty() && back_colors.size() < count))
     return fail("colors are too short");
+  if ((!gloss.empty() && gloss.size() < count) || (!back_gloss.empty() && back_gloss.size() < count) ||
+      (!back_colors.empty() && gloss.empty() != back_gloss.empty()))
+    return fail("gloss is too short");
   if (!weights.empty() && weights.size() < count * asset->weightStride())
     return fail("weights are too short");
   if (bins.size() < rasterBinWords(asset->triangleCount(), width, height)) return fail("bins are too short");
@@ -212,6 +215,8 @@ Status RasterJob::validate() const {
   for (const TextureSet& set : asset->texture_sets)
     if (std::max(set.shading.levels, set.masks.levels) > kMaxRasterLevels)
       return fail("a texture has more than 16 levels");
+  for (const BaseMaps& maps : asset->base_maps)
+    if (maps.color.levels > kMaxRasterLevels) return fail("a texture has more than 16 levels");
   if (!rasterKernel(simd).fill)
     return Status::error(StatusCode::kUnavailable, "raster: this CPU or build has no %s", simdName(simd));
   return {};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "src/block_texel.h"
 #include "src/raster_geometry.h"
 #include "src/response_math.h"
 
@@ -18,18 +19,18 @@ float floorOf(float x) {
   return whole > x ? whole - 1.0f : whole;
 }
 
-// A texel of a slice whose rows are `width` long; BC4 has two ends, then three bits a texel.
-float bc4Texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y) {
-  uint64_t block;
-  std::memcpy(&block, slice + (size_t{y / 4} * ((width + 3) / 4) + x / 4) * 8, sizeof block);
-  const auto end0 = static_cast<int32_t>(block & 255), end1 = static_cast<int32_t>(block >> 8 & 255);
-  const auto code = static_cast<int32_t>(block >> (16 + 3 * (4 * (y % 4) + x % 4)) & 7);
-  if (code < 2) return static_cast<float>(code == 0 ? end0 : end1) * (1.0f / 255.0f);
-  if (end0 > end1)
-    return static_cast<float>((8 - code) * end0 + (code - 1) * end1) * (1.0f / (7.0f * 255.0f));
-  if (code >= 6) return code == 6 ? 0.0f : 1.0f;
-  return static_cast<float>((6 - code) * end0 + (code - 1) * end1) * (1.0f / (5.0f * 255.0f));
+float mix(float a, float b, float t) {
+  return a * (1.0f - t) + b * t;
 }
+Float3 mix(Float3 a, Float3 b, float t) {
+  return {mix(a.x, b.x, t), mix(a.y, b.y, t), mix(a.z, b.z, t)};
+}
+
+// sRGB decoded, within 0.002.
+float lightOf(float c) {
+  return c * (c * (c * 0.305306011f + 0.682171111f) + 0.012522878f);
+}
+
 float rgba8Texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y, uint32_t channel) {
   return static_cast<float>(slice[(size_t{y} * width + x) * 4 + channel]) * (1.0f / 255.0f);
 }
@@ -46,30 +47,24 @@ void SliceSampler::select(const Texture& texture) {
   }
 }
 
-float SliceSampler::bilinear(const Level& level, uint32_t slice, uint32_t channel, const float uv[2]) const {
-  const std::byte* data = level.data + level.slice_bytes * slice;
-  const uint32_t width = level.width, height = level.height;
-  const float x = (uv[0] - floorOf(uv[0])) * static_cast<float>(width) - 0.5f;
-  const float y = (uv[1] - floorOf(uv[1])) * static_cast<float>(height) - 0.5f;
-  const float left = floorOf(x), top = floorOf(y);
-  // From -1 to the last texel.
-  const uint32_t x0 = left < 0.0f ? width - 1 : std::min(static_cast<uint32_t>(left), width - 1);
-  const uint32_t y0 = top < 0.0f ? height - 1 : std::min(static_cast<uint32_t>(top), height - 1);
-  const uint32_t x1 = x0 + 1 == width ? 0 : x0 + 1, y1 = y0 + 1 == height ? 0 : y0 + 1;
-  const float fx = x - left, fy = y - top;
-  const auto mix = [&](const auto& texel) {
-    const float upper = texel(x0, y0) * (1.0f - fx) + texel(x1, y0) * fx;
-    const float lower = texel(x0, y1) * (1.0f - fx) + texel(x1, y1) * fx;
-    return upper * (1.0f - fy) + lower * fy;
+template <typename Texel>
+auto SliceSampler::filtered(const float uv[2], const float right[2], const float down[2],
+                            const Texel& texel) const {
+  const auto bilinear = [&](const Level& level) {
+    const uint32_t width = level.width, height = level.height;
+    const float x = (uv[0] - floorOf(uv[0])) * static_cast<float>(width) - 0.5f;
+    const float y = (uv[1] - floorOf(uv[1])) * static_cast<float>(height) - 0.5f;
+    const float left = floorOf(x), top = floorOf(y);
+    // From -1 to the last texel.
+    const uint32_t x0 = left < 0.0f ? width - 1 : std::min(static_cast<uint32_t>(left), width - 1);
+    const uint32_t y0 = top < 0.0f ? height - 1 : std::min(static_cast<uint32_t>(top), height - 1);
+    const uint32_t x1 = x0 + 1 == width ? 0 : x0 + 1, y1 = y0 + 1 == height ? 0 : y0 + 1;
+    const float fx = x - left, fy = y - top;
+    const auto upper = mix(texel(level, x0, y0), texel(level, x1, y0), fx);
+    const auto lower = mix(texel(level, x0, y1), texel(level, x1, y1), fx);
+    return mix(upper, lower, fy);
   };
-  if (texture_->format == TextureFormat::kBc4)
-    return mix([&](uint32_t column, uint32_t line) { return bc4Texel(data, width, column, line); });
-  return mix([&](uint32_t column, uint32_t line) { return rgba8Texel(data, width, column, line, channel); });
-}
-
-float SliceSampler::at(uint32_t slice, uint32_t channel, const float uv[2], const float right[2],
-                       const float down[2]) const {
-  if (!std::isfinite(uv[0] + uv[1])) return 0.0f;
+  if (!std::isfinite(uv[0] + uv[1])) return decltype(bilinear(levels_[0])){};
   const auto width = static_cast<float>(texture_->width), height = static_cast<float>(texture_->height);
   const auto texels = [&](const float step[2]) {
     return step[0] * width * (step[0] * width) + step[1] * height * (step[1] * height);
@@ -79,9 +74,30 @@ float SliceSampler::at(uint32_t slice, uint32_t channel, const float uv[2], cons
   // Also for a reach that is no number.
   const float level = reach > 1.0f ? std::min(0.5f * fastLog2(std::min(reach, 1e30f)), last) : 0.0f;
   const auto whole = static_cast<uint32_t>(level);
-  const float fine = bilinear(levels_[whole], slice, channel, uv), part = level - static_cast<float>(whole);
-  if (part == 0.0f) return fine;
-  return fine * (1.0f - part) + bilinear(levels_[whole + 1], slice, channel, uv) * part;
+  const auto fine = bilinear(levels_[whole]);
+  const float part = level - static_cast<float>(whole);
+  return part == 0.0f ? fine : mix(fine, bilinear(levels_[whole + 1]), part);
+}
+
+float SliceSampler::at(uint32_t slice, uint32_t channel, const float uv[2], const float right[2],
+                       const float down[2]) const {
+  const auto dataOf = [&](const Level& level) { return level.data + level.slice_bytes * slice; };
+  if (texture_->format == TextureFormat::kBc4)
+    return filtered(uv, right, down, [&](const Level& level, uint32_t x, uint32_t y) {
+      return bc4Texel(blockAt(dataOf(level), level.width, x, y, 8, 0), x, y);
+    });
+  return filtered(uv, right, down, [&](const Level& level, uint32_t x, uint32_t y) {
+    return rgba8Texel(dataOf(level), level.width, x, y, channel);
+  });
+}
+
+Float3 SliceSampler::colorAt(const float uv[2], const float right[2], const float down[2]) const {
+  const bool with_opacity = texture_->format == TextureFormat::kBc3;
+  const size_t bytes = with_opacity ? 16 : 8;
+  return filtered(uv, right, down, [&](const Level& level, uint32_t x, uint32_t y) {
+    const Float3 c = bc1Texel(blockAt(level.data, level.width, x, y, bytes, bytes - 8), x, y, with_opacity);
+    return Float3{lightOf(c.x), lightOf(c.y), lightOf(c.z)};
+  });
 }
 
 namespace {
@@ -117,16 +133,22 @@ void findPlanes(const RasterJob& job, ShadedTriangle& triangle) {
     for (auto& plane : triangle.planes)
       for (double& a : plane) a = -a;
   // Rows go down: seen counter-clockwise, the sign is negative.
-  triangle.colors = facing > 0.0 && !job.back_colors.empty() ? job.back_colors.data() : job.colors.data();
+  const bool back = facing > 0.0 && !job.back_colors.empty();
+  triangle.colors = back ? job.back_colors.data() : job.colors.data();
+  triangle.gloss = back ? job.back_gloss.data() : job.gloss.data();
 }
 
 void findLayers(const RasterJob& job, ShadedTriangle& triangle) {
   triangle.active_count = 0;
   triangle.set = nullptr;
-  if (job.weights.empty()) return;
+  triangle.base = nullptr;
   const AssetView& asset = *job.asset;
   const auto part = std::upper_bound(asset.parts.begin(), asset.parts.end(), triangle.id,
                                      [](uint32_t t, const Part& p) { return t < p.triangle_end; });
+  if (!job.gloss.empty() && part != asset.parts.end() && part->base_maps != kAbsent &&
+      asset.base_maps[part->base_maps].color.slices > 0)
+    triangle.base = &asset.base_maps[part->base_maps];
+  if (job.weights.empty()) return;
   const TextureSet* set = part == asset.parts.end() || part->texture_set == kAbsent
                               ? nullptr
                               : &asset.texture_sets[part->texture_set];
@@ -154,35 +176,57 @@ TriangleShader::TriangleShader(const RasterJob& job, ShadedTriangle* kept) : job
   for (uint32_t i = 0; i < kKept; ++i) kept_[i].id = kAbsent;
 }
 
-float TriangleShader::crease(const ShadedTriangle& triangle, const double* share, const double* edge) {
+TriangleShader::Footprint TriangleShader::footprint(const ShadedTriangle& triangle, const double* share,
+                                                    const double* edge) const {
+  // uv is the quotient of two planes; so are its steps.
+  const double inverse = 1.0 / (edge[0] + edge[1] + edge[2]);
+  double at[2] = {}, steps[2][2] = {};
+  for (int i = 0; i < 3; ++i) {
+    const Float2 corner = job_.asset->uvs[triangle.corners[i]];
+    at[0] += share[i] * corner.x;
+    at[1] += share[i] * corner.y;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Float2 corner = job_.asset->uvs[triangle.corners[i]];
+    const double from_here[2] = {corner.x - at[0], corner.y - at[1]};
+    for (int axis = 0; axis < 2; ++axis)
+      for (int k = 0; k < 2; ++k) steps[axis][k] += triangle.planes[i][k] * from_here[axis];
+  }
+  Footprint out;
+  for (int axis = 0; axis < 2; ++axis) {
+    out.uv[axis] = static_cast<float>(at[axis]);
+    out.right[axis] = static_cast<float>(steps[axis][0] * inverse);
+    out.down[axis] = static_cast<float>(steps[axis][1] * inverse);
+  }
+  return out;
+}
+
+Float3 TriangleShader::paint(const BaseMaps& maps, const Footprint& at) {
+  if (painted_ != &maps) {
+    colors_.select(maps.color);
+    painted_ = &maps;
+  }
+  const float* m = maps.color_uv;
+  const auto turned = [&](const float v[2], float(&out)[2]) {
+    for (int axis = 0; axis < 2; ++axis) out[axis] = m[axis] * v[0] + m[2 + axis] * v[1];
+  };
+  float uv[2], right[2], down[2];
+  turned(at.uv, uv);
+  turned(at.right, right);
+  turned(at.down, down);
+  uv[0] += m[4];
+  uv[1] += m[5];
+  return colors_.colorAt(uv, right, down);
+}
+
+float TriangleShader::crease(const ShadedTriangle& triangle, const double* share, const Footprint& at) {
   const AssetView& asset = *job_.asset;
   const TextureSet* set = triangle.set;
-  float uv[2] = {}, right[2] = {}, down[2] = {};
-  if (set) {
-    if (sampled_ != set) {
-      shading_.select(set->shading);
-      masks_.select(set->masks);
-      sampled_ = set;
-    }
-    // uv is the quotient of two planes; so are its steps.
-    const double inverse = 1.0 / (edge[0] + edge[1] + edge[2]);
-    double at[2] = {}, steps[2][2] = {};
-    for (int i = 0; i < 3; ++i) {
-      const Float2 corner = asset.uvs[triangle.corners[i]];
-      at[0] += share[i] * corner.x;
-      at[1] += share[i] * corner.y;
-    }
-    for (int i = 0; i < 3; ++i) {
-      const Float2 corner = asset.uvs[triangle.corners[i]];
-      const double from_here[2] = {corner.x - at[0], corner.y - at[1]};
-      for (int axis = 0; axis < 2; ++axis)
-        for (int k = 0; k < 2; ++k) steps[axis][k] += triangle.planes[i][k] * from_here[axis];
-    }
-    for (int axis = 0; axis < 2; ++axis) {
-      uv[axis] = static_cast<float>(at[axis]);
-      right[axis] = static_cast<float>(steps[axis][0] * inverse);
-      down[axis] = static_cast<float>(steps[axis][1] * inverse);
-    }
+  const auto& [uv, right, down] = at;
+  if (set && sampled_ != set) {
+    shading_.select(set->shading);
+    masks_.select(set->masks);
+    sampled_ = set;
   }
   float left = 1.0f;
   for (uint32_t i = 0; i < triangle.active_count; ++i) {
@@ -197,15 +241,15 @@ float TriangleShader::crease(const ShadedTriangle& triangle, const double* share
     if (w == 0.0f || slice == kAbsent) continue;
     const Float4 window = set->windows[slice];
     const float from_x = uv[0] - window.x, from_y = uv[1] - window.y;
-    const float at[2] = {(from_x - floorOf(from_x)) * window.z, (from_y - floorOf(from_y)) * window.w};
-    if (!(std::max(at[0], at[1]) <= 1.0f)) continue;
+    const float inside[2] = {(from_x - floorOf(from_x)) * window.z, (from_y - floorOf(from_y)) * window.w};
+    if (!(std::max(inside[0], inside[1]) <= 1.0f)) continue;
     float intensity = std::abs(w);
     const uint32_t mask = asset.layers[active.layer].mask_slice;
     if (set->masks.slices > 0 && mask != kAbsent) intensity *= masks_.at(mask / 4, mask % 4, uv, right, down);
     if (intensity == 0.0f) continue;
     const float right_in[2] = {right[0] * window.z, right[1] * window.w},
                 down_in[2] = {down[0] * window.z, down[1] * window.w};
-    left *= 1.0f - intensity * shading_.at(slice, 0, at, right_in, down_in);
+    left *= 1.0f - intensity * shading_.at(slice, 0, inside, right_in, down_in);
   }
   return left;
 }
@@ -225,14 +269,26 @@ Float3 TriangleShader::color(uint32_t id, double x, double y) {
   }
   const double sum = share[0] + share[1] + share[2], inverse = sum > 0.0 ? 1.0 / sum : 0.0;
   for (double& s : share) s = sum > 0.0 ? s * inverse : 1.0 / 3.0;
-  const double left = triangle.active_count > 0 ? crease(triangle, share, edge) : 1.0;
+  Footprint at = {};
+  if (triangle.base || (triangle.set && triangle.active_count > 0)) at = footprint(triangle, share, edge);
+  const double left = triangle.active_count > 0 ? crease(triangle, share, at) : 1.0;
   double color[3] = {};
-  for (int i = 0; i < 3; ++i) {
-    const Float3 c = triangle.colors[triangle.corners[i]];
-    color[0] += share[i] * c.x;
-    color[1] += share[i] * c.y;
-    color[2] += share[i] * c.z;
+  const auto addMean = [&](const Float3* values) {
+    for (int i = 0; i < 3; ++i) {
+      const Float3 c = values[triangle.corners[i]];
+      color[0] += share[i] * c.x;
+      color[1] += share[i] * c.y;
+      color[2] += share[i] * c.z;
+    }
+  };
+  addMean(triangle.colors);
+  if (triangle.base) {
+    const Float3 painted = paint(*triangle.base, at);
+    color[0] *= painted.x;
+    color[1] *= painted.y;
+    color[2] *= painted.z;
   }
+  if (triangle.gloss) addMean(triangle.gloss);
   return {static_cast<float>(color[0] * left), static_cast<float>(color[1] * left),
           static_cast<float>(color[2] * left)};
 }

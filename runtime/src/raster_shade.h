@@ -18,6 +18,9 @@ class SliceSampler {
   float at(uint32_t slice, uint32_t channel, const float uv[2], const float right[2],
            const float down[2]) const;
 
+  // The same of a colour: sRGB decoded before it is filtered.
+  Float3 colorAt(const float uv[2], const float right[2], const float down[2]) const;
+
  private:
   struct Level {
     const std::byte* data;
@@ -25,7 +28,9 @@ class SliceSampler {
     uint32_t width, height;
   };
 
-  float bilinear(const Level& level, uint32_t slice, uint32_t channel, const float uv[2]) const;
+  // `texel(level, column, row)` filtered.
+  template <typename Texel>
+  auto filtered(const float uv[2], const float right[2], const float down[2], const Texel& texel) const;
 
   const Texture* texture_ = nullptr;
   Level levels_[kMaxRasterLevels] = {};
@@ -42,6 +47,8 @@ struct ShadedTriangle {
   uint32_t active_count;
   const uint32_t* corners;
   const Float3* colors;
+  const Float3* gloss;
+  const BaseMaps* base;   // with a colour map, or null
   const TextureSet* set;  // with maps, or null
   double planes[3][3];    // x a[0] + y a[1] + a[2] is proportional to a corner's share
   ActiveLayer active[kMaxLayers];
@@ -59,12 +66,20 @@ class TriangleShader {
   Float3 color(uint32_t triangle, double x, double y);
 
  private:
-  float crease(const ShadedTriangle& triangle, const double* share, const double* edge);
+  // Of a pixel: uv, and its change over one to the right and one down.
+  struct Footprint {
+    float uv[2], right[2], down[2];
+  };
+
+  Footprint footprint(const ShadedTriangle& triangle, const double* share, const double* edge) const;
+  float crease(const ShadedTriangle& triangle, const double* share, const Footprint& at);
+  Float3 paint(const BaseMaps& maps, const Footprint& at);
 
   const RasterJob& job_;
   ShadedTriangle* kept_;
   const TextureSet* sampled_ = nullptr;
-  SliceSampler shading_, masks_;
+  const BaseMaps* painted_ = nullptr;
+  SliceSampler shading_, masks_, colors_;
 };
 
 }  // namespace furrow

@@ -520,6 +520,46 @@ TEST(RasterShading, PartsWithoutMapsDarkenByVertex) {
   EXPECT_EQ(redAt(stretched, 20, 20), 1.0f);
 }
 
+TEST(RasterShading, TheModelsOwnMapColoursTheLightAndNotTheGloss) {
+  // Four columns of texels: sRGB red, red, blue, blue; then the same with opacity.
+  const uint64_t block = 0xf800u | uint64_t{0x001f} << 16 | uint64_t{0x50505050} << 32;
+  for (const bool with_opacity : {false, true}) {
+    std::vector<std::byte> map(with_opacity ? 16 : 8, std::byte{0});
+    std::memcpy(map.data() + map.size() - 8, &block, 8);
+    BaseMaps maps = {{with_opacity ? TextureFormat::kBc3 : TextureFormat::kBc1, 4, 4, 1, 1, map},
+                     {1, 0, 0, 1, 0, 0},
+                     0.0f,
+                     {},
+                     {}};
+    Scene scene = mappedSquare(1.0f, 0);
+    const std::vector<Float3> gloss(4, {0.125f, 0.125f, 0.125f});
+    const auto colorAt = [&](uint32_t x) {
+      RasterJob job = scene.job(64, 64, 1);
+      scene.asset.base_maps = {&maps, 1};
+      scene.part.base_maps = 0;
+      job.gloss = gloss;
+      usePixels(job);
+      scene.run(job);
+      return scene.picture[30 * 64 + x];
+    };
+    const auto expectColor = [&](uint32_t x, Float3 expected) {
+      const Float4 found = colorAt(x);
+      EXPECT_NEAR(found.x, expected.x + 0.125f, 1e-4f) << x;
+      EXPECT_NEAR(found.y, expected.y + 0.125f, 1e-4f) << x;
+      EXPECT_NEAR(found.z, expected.z + 0.125f, 1e-4f) << x;
+    };
+    expectColor(15, {1, 0, 0});  // of the vertices' (1, 0.5, 0.25)
+    expectColor(47, {0, 0, 0.25f});
+    expectColor(31, {0.53125f, 0, 0.25f * 0.46875f});  // filtered as light
+    maps.color_uv[4] = 0.5f;
+    expectColor(15, {0, 0, 0.25f});
+    maps.color_uv[4] = 0.0f;
+    maps.color_uv[0] = 0.0f;  // a quarter turn: v runs along the columns
+    maps.color_uv[2] = 1.0f;
+    expectColor(47, {0.59375f, 0, 0.25f * 0.40625f});
+  }
+}
+
 TEST(RasterShading, SmallMapsAreReadFromSmallLevels) {
   // Level 0 is 1 everywhere, level 1 is 0.4, level 2 is 0: at 16 texels a side over 16 pixels level 0 is
   // seen, at two texels a pixel level 1, and in between a mean of both.

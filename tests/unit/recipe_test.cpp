@@ -24,6 +24,7 @@ constexpr const char* kEverything = R"({
   "rest": { "clip": "talk", "time": 0.5 },
   "weld": { "tolerance": 0.001 },
   "mapSize": 512,
+  "previewSize": 256,
   "layers": [
     { "name": "forehead",
       "meshes": ["Head", "Brows"], "materials": ["skin"],
@@ -97,6 +98,7 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(rest.time, 0.5);
   EXPECT_EQ(recipe.weld_tolerance, 0.001);
   EXPECT_EQ(recipe.map_size, 512u);
+  EXPECT_EQ(recipe.preview_size, 256u);
   ASSERT_EQ(recipe.layers.size(), 7u);
 
   const LayerRecipe& a = recipe.layers[0];

@@ -52,10 +52,12 @@ FURROW_INSTANCE(scene);
 // A part.
 FURROW_BLOCK(Material) {
   vec4 base_color;
-  uint with_masks;  // 0: Layer::mask of the vertex
+  vec4 color_uv, normal_uv;  // columns from uv to the model's own maps
+  vec4 color_at_normal_at;   // where they begin
+  uint with_masks;           // 0: Layer::mask of the vertex
   float roughness;
+  float opaque_from;
   uint pad1;
-  uint pad2;
   uvec4 slices[kMaxPreviewLayers];       // as furrow_shade.glsl takes them
   vec4 windows[2u * kMaxPreviewLayers];  // a slice of the maps
 }
@@ -65,6 +67,6 @@ FURROW_INSTANCE(material);
 #undef FURROW_BLOCK
 #undef FURROW_INSTANCE
 #undef FURROW_CONSTANT
-static_assert(sizeof(Scene) == 240 && sizeof(Material) == 32 + 48 * kMaxPreviewLayers);
+static_assert(sizeof(Scene) == 240 && sizeof(Material) == 80 + 48 * kMaxPreviewLayers);
 }  // namespace furrow::preview::gpu
 #endif

@@ -1,5 +1,5 @@
-// kView, kShading, kBlinn and kMaps (whether the part has maps) are constants: software renderers run both sides of
-// every branch that is not one.
+// kView, kShading, kBlinn, kMaps (whether the part has wrinkle maps), kBaseColor and kBaseNormal (whether it has
+// such maps of its own) are constants: software renderers run both sides of every branch that is not one.
 
 uniform sampler2DShadow shadow_map;
 
@@ -57,6 +57,11 @@ void main() {
   vec3 form = normalize(vertex.normal) * side;
   uv_dx = dFdx(vertex.uv);
   uv_dy = dFdy(vertex.uv);
+  vec4 painted = material.base_color;
+  if (kBaseColor) {
+    painted *= baseMap(base_color_map, material.color_uv, material.color_at_normal_at.xy);
+    if (painted.a < material.opaque_from) discard;
+  }
 
   if (kView != kViewBeauty) {
     color = vec4(viewColor() * viewLight(form, v, scene.lights[0].xyz), 1.0);
@@ -65,7 +70,11 @@ void main() {
 
   vec3 bitangent = vertex.tangent.w * cross(vertex.normal, vertex.tangent.xyz);
   mat3 frame = mat3(vertex.tangent.xyz, bitangent, vertex.normal) * side;
-  vec3 base = material.base_color.rgb * vertex.value.rgb * vertex.value.rgb;
+  vec3 base = painted.rgb * vertex.value.rgb * vertex.value.rgb;
+  vec3 own = vec3(0.0, 0.0, 1.0);  // normal, in tangent space
+  if (kBaseNormal)
+    own = furrowDecodeNormal(baseMap(base_normal_map, material.normal_uv, material.color_at_normal_at.zw).xy);
+  vec3 smooth_normal = kBaseNormal ? normalize(frame * own) : form;  // without wrinkles
   float shadow = shadowAt(vertex.position, form);
 
   if (!kMaps || kShading == kShadingAlpha || kShading == kShadingNone) {
@@ -80,19 +89,19 @@ void main() {
         crease *= one.shading;
       }
     }
-    vec3 lit = light(base, form, form, v, 1.0, material.roughness, shadow);
+    vec3 lit = light(base, form, smooth_normal, v, 1.0, material.roughness, shadow);
     color = vec4(toneMap(furrowAlphaShade(lit, 1.0, 1.0 - crease) * scene.up.w), 1.0);
     return;
   }
 
   if (kShading == kShadingBlend) {
-    vec3 plain = light(base, form, form, v, 1.0, material.roughness, shadow);
+    vec3 plain = light(base, form, smooth_normal, v, 1.0, material.roughness, shadow);
     vec3 total = plain;
     for (uint i = 0u; i < scene.layers; ++i) {
       float w = component(vertex.weights, i);
       float I = abs(furrowMaskedWeight(w, material.slices[i], vertex.uv));
       if (I == 0.0) continue;
-      FurrowWrinkles full = furrowBegin(vec3(0.0, 0.0, 1.0));
+      FurrowWrinkles full = furrowBegin(own);
       uvec4 unmasked = uvec4(material.slices[i].xy, FURROW_NO_SLICE, 0u);
       furrowAddLayer(full, sign(w), unmasked, vertex.uv);
       vec3 n = normalize(frame * furrowNormal(full));
@@ -103,7 +112,7 @@ void main() {
     return;
   }
 
-  FurrowSurface surface = furrowSurface(vec3(0.0, 0.0, 1.0), vertex.uv, scene.layers);
+  FurrowSurface surface = furrowSurface(own, vertex.uv, scene.layers);
   float roughness = furrowRoughness(material.roughness, surface.variance);
   vec3 n = normalize(frame * surface.normal);
   color = vec4(toneMap(light(base, form, n, v, surface.cavity, roughness, shadow) * scene.up.w), 1.0);

@@ -12,8 +12,16 @@ in Surface {
 uniform sampler2DArray normal_maps;
 uniform sampler2DArray shading_maps;
 uniform sampler2DArray mask_maps;
+uniform sampler2DArray base_color_map;
+uniform sampler2DArray base_normal_map;
 
 vec2 uv_dx, uv_dy;
+
+// The model's own map at the matrix `columns`, `begin`.
+vec4 baseMap(sampler2DArray map, vec4 columns, vec2 begin) {
+  mat2 turn = mat2(columns.xy, columns.zw);
+  return textureGrad(map, vec3(turn * vertex.uv + begin, 0.0), turn * uv_dx, turn * uv_dy);
+}
 #define FURROW_WINDOW(slice) material.windows[slice]
 #define FURROW_WEIGHT(layer) vertex.weights[layer / 4u][layer % 4u]
 #define FURROW_SLICES(layer) material.slices[layer]

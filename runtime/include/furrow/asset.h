@@ -56,6 +56,7 @@ struct Part {
   // Positions are offset + step * n for whole numbers n >= 0, in float.
   Float3 position_offset;
   float position_step;
+  uint32_t base_maps = kAbsent;  // index into base_maps, or kAbsent
 };
 
 // One matrix of the palette that poses the asset: palette[i] = world(node) * inverse_bind, where world()
@@ -104,6 +105,8 @@ enum class TextureFormat : uint8_t {
   kBc5 = 0,    // two channels, unorm: slope-space normal x, y
   kBc4 = 1,    // one channel, unorm
   kRgba8 = 2,  // four channels, unorm
+  kBc1 = 3,    // colour, sRGB-encoded, opaque
+  kBc3 = 4,    // colour, sRGB-encoded, and opacity
 };
 
 // An array texture with its full mip chain. Slice s of level l is at data[offset(l) + s * size(l)], levels
@@ -112,8 +115,8 @@ struct Texture {
   TextureFormat format;
   uint32_t width, height, slices, levels;
   std::span<const std::byte> data;  // tightly packed: all slices of level 0, then of level 1, ...
-  // What the encoding cost, measured by the cook in level 0: degrees between normals (BC5), of the factor
-  // (BC4), 0 for masks, which are stored to the bit.
+  // What the encoding cost, measured by the cook in level 0: degrees between normals (BC5), part of the range
+  // (BC4, BC1, BC3), 0 for masks, which are stored to the bit.
   float rms_error = 0.0f, largest_error = 0.0f;
 };
 
@@ -132,6 +135,16 @@ struct TextureSet {
   Float4 windows[2 * kMaxLayers];
 };
 
+// The model's own maps, for previews; a game has its own. Made only where the source has them and the recipe
+// does not leave them out.
+struct BaseMaps {
+  Texture color;       // BC1 or BC3, one slice, times Part::base_color; slices 0: white
+  float color_uv[6];   // m: found at (m[0] u + m[2] v + m[4], m[1] u + m[3] v + m[5]), repeated
+  float opaque_from;   // nothing is seen where the colour's opacity is below it
+  Texture normal;      // BC5, one slice, as TextureSet::normals; slices 0: flat
+  float normal_uv[6];  // as color_uv
+};
+
 constexpr uint32_t coefficientCount(Measure measure) {
   return measure == Measure::kDirectional ? 2u
          : measure == Measure::kArea      ? 1u
@@ -141,6 +154,10 @@ constexpr uint32_t coefficientCount(Measure measure) {
 
 // Bytes of one slice of one level.
 size_t textureLevelBytes(TextureFormat format, uint32_t width, uint32_t height, uint32_t level);
+
+// The texel at column x, row y of a slice of a level, as it is stored: each channel in [0, 1], those that the
+// format lacks 0, opacity 1. One at a time: for tools.
+Float4 texelAt(const Texture& texture, uint32_t level, uint32_t slice, uint32_t x, uint32_t y);
 
 // All spans point into the asset. Vertices are in the asset's own order, which is the decoded one.
 struct AssetView {
@@ -187,6 +204,7 @@ struct AssetView {
   // 4 a vertex, empty if the source has none: what Part::base_color is multiplied by, red, green and blue
   // each as 255 times the square root of the linear value, then 255. For previews.
   std::span<const uint8_t> colors;
+  std::span<const BaseMaps> base_maps;
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }
   uint32_t triangleCount() const { return static_cast<uint32_t>(indices.size() / 3); }

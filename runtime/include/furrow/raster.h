@@ -3,7 +3,7 @@
 // The software rasteriser: a posed, lit surface with its creases as pixels, for machines without a GPU. It
 // draws lit Gouraud colours darkened by alpha shading, C = C0 (1 - I W) a layer [Larsson]: C0 is interpolated
 // from the vertices, I = |w|, W comes from the asset's shading maps (bilinear, mip-mapped), and a part
-// without maps darkens by the weights of its vertices alone.
+// without maps darkens by the weights of its vertices alone. C0 may be times the model's own colour map.
 //
 // A picture takes three passes, each split over the host's threads as it likes; a pass needs the whole result
 // of the one before:
@@ -79,8 +79,12 @@ struct RasterJob {
 
   std::span<const Float3> colors;       // C0, linear, a vertex; may be empty if `picture` is
   std::span<const Float3> back_colors;  // of triangles seen clockwise; empty: `colors`
-  std::span<const int16_t> weights;     // as the frame left them, weightStride() a vertex; empty: no creases
-  float vertex_shade = 0.55f;           // [0, 1], W of parts without maps
+  // What the surface reflects in the colour of the light, a vertex: `colors` are then multiplied by the
+  // parts' BaseMaps::color, as they would be of white, and these added. Empty: the map is not read.
+  std::span<const Float3> gloss;
+  std::span<const Float3> back_gloss;  // of triangles seen clockwise; not empty if both others are not
+  std::span<const int16_t> weights;    // as the frame left them, weightStride() a vertex; empty: no creases
+  float vertex_shade = 0.55f;          // [0, 1], W of parts without maps
 
   std::span<RasterVertex> vertices;  // memory, a vertex
   std::span<uint64_t> bins;          // memory, rasterBinWords()

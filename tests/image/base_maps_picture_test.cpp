@@ -1,0 +1,182 @@
+// The model's own maps in pictures.
+
+#include <algorithm>
+#include <cmath>
+
+#include "editor/preview/posed_frame.h"
+#include "editor/preview/renderer.h"
+#include "editor/preview/software_picture.h"
+#include "pipeline/cook/cook.h"
+#include "pipeline/import/import.h"
+#include "pipeline/maps/png.h"
+#include "pipeline/scene/posing.h"
+#include "tests/image/gl_fixture.h"
+#include "tests/unit/textured_square.h"
+
+namespace furrow::tests {
+namespace {
+
+using pipeline::ByteImage;
+using pipeline::Image;
+using preview::RenderOptions;
+using preview::Shading;
+using preview::Tier;
+using test::Color;
+using test::kQuadrants;
+using test::quadrants;
+using test::Square;
+
+constexpr uint32_t kSize = 128;
+constexpr float kStep = 1.0f / 255.0f;
+
+struct Model {
+  Asset asset;
+  preview::PosedFrame frame;
+};
+
+Model cooked(const std::string& material, const ByteImage& image) {
+  const std::vector<std::byte> png = pipeline::encodePng(image);
+  Square square;
+  const auto* bytes = reinterpret_cast<const uint8_t*>(png.data());
+  const std::string embedded = square.embedded({bytes, bytes + png.size()});
+  const pipeline::SourceScene scene =
+      pipeline::import(square.write("picture.glb", embedded, "\"source\":0", material));
+  pipeline::Recipe recipe = pipeline::defaultRecipe();
+  recipe.map_size = 64;
+  Model model;
+  EXPECT_TRUE(model.asset.load(pipeline::cook(scene, recipe, {}).bytes).ok());
+  model.frame = preview::poseFrame(model.asset.view(),
+                                   pipeline::evaluate(scene.rig, pipeline::defaultPose(scene.rig)), {}, 1.0f);
+  return model;
+}
+
+Model painted(const ByteImage& image, const std::string& more = "", const std::string& in_texture = "") {
+  return cooked("\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0" + in_texture + "}}" + more,
+                image);
+}
+
+RenderOptions optionsFor(const Model& model, Tier tier, Shading shading) {
+  RenderOptions options;
+  options.width = options.height = kSize;
+  options.tier = tier;
+  options.shading = shading;
+  const auto about = [&](int axis) { return static_cast<float>(0.5 - model.frame.origin[axis]); };
+  options.camera.target = {about(0), about(1), 0.0f};
+  options.camera.distance = 3.0f;
+  return options;
+}
+
+Image picture(const Model& model, Tier tier, Shading shading) {
+  preview::Renderer renderer(model.asset.view());
+  return renderer.render(model.frame.input, optionsFor(model, tier, shading));
+}
+
+Image softwarePicture(const Model& model) {
+  return preview::softwarePicture(model.asset.view(), model.frame.input,
+                                  optionsFor(model, Tier::kCpu, Shading::kAlpha), 2);
+}
+
+// The middle of a quadrant of the square.
+const float* quadrant(const Image& image, uint32_t q) {
+  const uint32_t aside = kSize / 8;
+  return image.at(kSize / 2 + (q % 2 ? aside : -aside), kSize / 2 + (q / 2 ? aside : -aside));
+}
+
+// Each quadrant is of its own colour.
+void expectQuadrants(const Image& image) {
+  for (uint32_t q = 0; q < 3; ++q) {
+    const float* p = quadrant(image, q);
+    const float others = std::max(p[(q + 1) % 3], p[(q + 2) % 3]);
+    EXPECT_GT(p[q], others + 0.1f) << q;
+  }
+}
+
+void expectNear(const float* a, const float* b, float tolerance) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << c;
+}
+
+// The square in that colour, by its material's factor alone.
+Model plain(const Color& color) {
+  const auto linear = [](uint8_t byte) {
+    const double c = byte / 255.0;
+    return std::to_string(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  };
+  return cooked("\"pbrMetallicRoughness\":{\"baseColorFactor\":[" + linear(color[0]) + "," +
+                    linear(color[1]) + "," + linear(color[2]) + ",1]}",
+                quadrants(1));
+}
+
+class BaseMapsPicture : public GlTest {
+ protected:
+  std::vector<Tier> tiers() const {
+    std::vector<Tier> found = {Tier::kCpu};
+    if (support_.gpu_raster) found.push_back(Tier::kGpuRaster);
+    if (support_.gpu) found.push_back(Tier::kGpu);
+    return found;
+  }
+};
+
+TEST_F(BaseMapsPicture, ATextureGivesTheColourThatAFactorGives) {
+  const Model textured = painted(quadrants(3));
+  const auto expectColors = [&](Tier tier, Shading shading) {
+    const Image image = picture(textured, tier, shading);
+    expectQuadrants(image);
+    for (uint32_t q = 0; q < 4; ++q)
+      expectNear(quadrant(image, q), quadrant(picture(plain(kQuadrants[q]), tier, shading), q), 3 * kStep);
+  };
+  for (const Shading shading : {Shading::kBlend, Shading::kAlpha, Shading::kNone})
+    expectColors(Tier::kCpu, shading);
+  for (const Tier tier : tiers()) expectColors(tier, Shading::kInterpolated);
+}
+
+TEST(BaseMapsSoftware, ATextureGivesTheColourThatAFactorGives) {
+  const Image image = softwarePicture(painted(quadrants(3)));
+  expectQuadrants(image);
+  for (uint32_t q = 0; q < 4; ++q)
+    expectNear(quadrant(image, q), quadrant(softwarePicture(plain(kQuadrants[q])), q), 3 * kStep);
+}
+
+TEST_F(BaseMapsPicture, BothRenderersMoveTheMapAlike) {
+  const Model moved = painted(
+      quadrants(3), "", ",\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0],\"scale\":[1,2]}}");
+  const Model still = painted(quadrants(3));
+  const Image gl = picture(still, Tier::kCpu, Shading::kAlpha);
+  for (const Image& image : {picture(moved, Tier::kCpu, Shading::kAlpha), softwarePicture(moved)}) {
+    // The quadrants lie in v from 0.25 to 0.75: twice that, they show what is in the lower, then the upper
+    // half.
+    const uint32_t shown[] = {3, 2, 1, 0};
+    for (uint32_t q = 0; q < 4; ++q)  // lit a little otherwise there
+      expectNear(quadrant(image, q), quadrant(gl, shown[q]), 0.06f);
+  }
+}
+
+TEST_F(BaseMapsPicture, WhatIsMaskedIsNotDrawn) {
+  std::array<Color, 4> colors = kQuadrants;
+  colors[1][3] = 40;
+  const Model model = painted(quadrants(4, colors), ",\"alphaMode\":\"MASK\"");
+  const Image image = picture(model, Tier::kCpu, Shading::kNone);
+  expectNear(quadrant(image, 1), image.at(kSize / 2 + kSize / 8, 2), 0.05f);  // background
+  expectNear(quadrant(image, 0), quadrant(picture(painted(quadrants(3)), Tier::kCpu, Shading::kNone), 0),
+             kStep);
+}
+
+TEST_F(BaseMapsPicture, NormalsTiltTowardsTheLight) {
+  const auto bumped = [&](const Color& color) {
+    std::array<Color, 4> colors;
+    colors.fill(color);
+    return cooked(
+        "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.2,0.2,0.2,1]},\"normalTexture\":{\"index\":0}",
+        quadrants(3, colors));
+  };
+  const Model none = cooked("\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.2,0.2,0.2,1]}", quadrants(3));
+  for (const Shading shading : {Shading::kInterpolated, Shading::kBlend, Shading::kAlpha, Shading::kNone}) {
+    const auto at = [&](const Model& model) { return quadrant(picture(model, Tier::kCpu, shading), 0)[1]; };
+    EXPECT_NEAR(at(bumped({128, 128, 255, 255})), at(none), 2 * kStep);
+    // The key light stands in the upper left.
+    EXPECT_GT(at(bumped({52, 128, 230, 255})), at(bumped({204, 128, 230, 255})) + 20 * kStep);
+    EXPECT_GT(at(bumped({128, 204, 230, 255})), at(bumped({128, 52, 230, 255})) + 20 * kStep);
+  }
+}
+
+}  // namespace
+}  // namespace furrow::tests

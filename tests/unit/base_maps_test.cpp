@@ -1,0 +1,352 @@
+#include "pipeline/cook/base_maps.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "pipeline/cook/cook.h"
+#include "pipeline/cook/cook_cache.h"
+#include "pipeline/import/import.h"
+#include "pipeline/maps/color.h"
+#include "tests/unit/textured_square.h"
+
+namespace furrow::pipeline {
+namespace {
+
+using test::Color;
+using test::kQuadrants;
+using test::quadrants;
+using test::Square;
+using test::writeFile;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+// A file of the format that the extension names, by OpenImageIO.
+std::vector<uint8_t> fileOf(const ByteImage& image, const std::string& extension) {
+  const fs::path file = writeFile("written." + extension, "");
+  const auto output = OIIO::ImageOutput::create(file.string());
+  EXPECT_TRUE(output) << OIIO::geterror();
+  OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height),
+                       static_cast<int>(image.channels), OIIO::TypeDesc::UINT8);
+  spec.attribute("CompressionQuality", 100);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  EXPECT_TRUE(output->open(file.string(), spec));
+  EXPECT_TRUE(output->write_image(OIIO::TypeDesc::UINT8, image.pixels.data()));
+  EXPECT_TRUE(output->close());
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string base64(const std::vector<uint8_t>& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t word = 0;
+    for (size_t k = 0; k < 3; ++k) word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
+    for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[word >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+const std::string kColor = "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}";
+
+struct Result {
+  Cooked cooked;
+  Asset asset;
+};
+
+Result cookFile(const fs::path& file, uint32_t preview_size = 1024) {
+  Recipe recipe = defaultRecipe();
+  recipe.preview_size = preview_size;
+  recipe.map_size = 64;
+  Result result{cook(import(file), recipe, {}), {}};
+  EXPECT_TRUE(result.asset.load(result.cooked.bytes).ok());
+  return result;
+}
+
+BaseMaps mapsOf(const Result& result) {
+  EXPECT_EQ(result.asset.view().base_maps.size(), 1u);
+  return result.asset.view().base_maps.empty() ? BaseMaps() : result.asset.view().base_maps[0];
+}
+
+void expectQuadrants(const Asset& asset, double tolerance) {
+  ASSERT_EQ(asset.view().base_maps.size(), 1u);
+  ASSERT_EQ(asset.view().parts[0].base_maps, 0u);
+  const Texture& color = asset.view().base_maps[0].color;
+  ASSERT_EQ(color.slices, 1u);
+  for (uint32_t q = 0; q < 4; ++q) {
+    const Float4 texel =
+        texelAt(color, 0, 0, color.width * (1 + 2 * (q % 2)) / 4, color.height * (1 + 2 * (q / 2)) / 4);
+    EXPECT_NEAR(texel.x, kQuadrants[q][0] / 255.0, tolerance) << q;
+    EXPECT_NEAR(texel.y, kQuadrants[q][1] / 255.0, tolerance) << q;
+    EXPECT_NEAR(texel.z, kQuadrants[q][2] / 255.0, tolerance) << q;
+  }
+}
+
+std::vector<std::string> textureWarnings(const Result& result) {
+  std::vector<std::string> found;
+  for (const std::string& warning : result.cooked.report.warnings)
+    if (warning.find("texture") != std::string::npos) found.push_back(warning);
+  return found;
+}
+
+Texture viewOf(const EncodedTexture& t) {
+  return {t.format, t.width, t.height, t.slices, t.levels, t.data};
+}
+
+TEST(BaseMaps, ColoursArriveFromEveryFormat) {
+  for (const char* format : {"png", "jpg", "webp"}) {
+    Square square;
+    const std::string image = square.embedded(fileOf(quadrants(3), format));
+    const Result result = cookFile(square.write("embedded.glb", image, "\"source\":0", kColor));
+    EXPECT_THAT(textureWarnings(result), IsEmpty()) << format;
+    expectQuadrants(result.asset, format == std::string("png") ? 0.012 : 0.03);
+    EXPECT_EQ(result.asset.view().base_maps[0].color.format, TextureFormat::kBc1);
+  }
+}
+
+TEST(BaseMaps, WebpMayBeRequired) {
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(3), "webp"));
+  const Result result = cookFile(square.write(
+      "required.glb", image, "\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}", kColor,
+      ",\"extensionsRequired\":[\"EXT_texture_webp\"],\"extensionsUsed\":[\"EXT_texture_webp\"]"));
+  EXPECT_THAT(textureWarnings(result), IsEmpty());
+  expectQuadrants(result.asset, 0.03);
+}
+
+TEST(BaseMaps, ARealAvatarThatRequiresWebpHasItsColours) {
+  const fs::path file = fs::path(FURROW_CORPUS) / "face/valid/Asian_F_1_Casual.glb";
+  const fs::path plain = fs::path(FURROW_CORPUS) / "face/valid/Asian_F_1_Casual_decoded.glb";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
+  // The same images as WebP, and as PNG and JPEG.
+  const SceneBaseMaps webp = bakeBaseMaps(import(file), 64, 2), other = bakeBaseMaps(import(plain), 64, 2);
+  EXPECT_THAT(webp.warnings, IsEmpty());
+  ASSERT_EQ(webp.maps.size(), 1u);
+  ASSERT_EQ(other.maps.size(), 1u);
+  double squares = 0.0, spread = 0.0;
+  for (uint32_t y = 0; y < 64; ++y)
+    for (uint32_t x = 0; x < 64; ++x) {
+      const Float4 a = texelAt(viewOf(webp.maps[0].color), 0, 0, x, y),
+                   b = texelAt(viewOf(other.maps[0].color), 0, 0, x, y);
+      squares += double{(a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z)};
+      spread += std::abs(double{a.x} - 0.5);
+    }
+  EXPECT_LT(std::sqrt(squares / (3 * 64 * 64)), 0.02);
+  EXPECT_GT(spread / (64 * 64), 0.05);
+  EXPECT_EQ(webp.maps[0].normal.format, TextureFormat::kBc5);
+  EXPECT_EQ(webp.maps[0].normal.slices, 1u);
+}
+
+TEST(BaseMaps, AnImageMayBeADataUriOrAFileBesideTheModel) {
+  const std::vector<uint8_t> png = fileOf(quadrants(3), "png");
+  const Square square;
+  const fs::path inside = square.write("inside.glb", "\"uri\":\"data:image/png;base64," + base64(png) + "\"",
+                                       "\"source\":0", kColor);
+  const Result from_uri = cookFile(inside);
+  expectQuadrants(from_uri.asset, 0.012);
+  EXPECT_THAT(from_uri.cooked.dependencies, ElementsAre(inside));
+
+  const fs::path beside = square.write("beside.glb", "\"uri\":\"skin%20color.png\"", "\"source\":0", kColor);
+  const fs::path image = writeFile("skin color.png", std::string(png.begin(), png.end()));
+  const Result from_file = cookFile(beside);
+  expectQuadrants(from_file.asset, 0.012);
+  EXPECT_THAT(from_file.cooked.dependencies, ElementsAre(beside, image));
+  EXPECT_EQ(from_file.cooked.bytes.size(), from_uri.cooked.bytes.size());
+  EXPECT_THAT(importedFiles(beside), ElementsAre(beside, image));
+
+  CookRequest request;
+  request.source.base = beside;
+  const std::string key = cookKey(request, filesOf(request));
+  const std::vector<uint8_t> grey = fileOf(quadrants(1), "png");
+  writeFile("skin color.png", std::string(grey.begin(), grey.end()));
+  EXPECT_NE(cookKey(request, filesOf(request)), key);
+
+  // Nothing that is left out is an input.
+  EXPECT_THAT(cookFile(beside, 0).cooked.dependencies, ElementsAre(beside));
+}
+
+TEST(BaseMaps, AnImageThatCannotBeReadCostsAWarning) {
+  Square square;
+  const std::vector<uint8_t> png = fileOf(quadrants(3), "png");
+  const std::string cut = square.embedded({png.begin(), png.begin() + 60});
+  const std::string words = square.embedded({'w', 'o', 'r', 'd', 's'});
+  const fs::path missing = square.write("missing.glb", "\"uri\":\"nowhere.png\"", "\"source\":0", kColor);
+  const std::vector<std::pair<fs::path, std::string>> files = {
+      {missing, "nowhere.png: no such file"},
+      {square.write("cut.glb", cut + ",\"name\":\"face\"", "\"source\":0", kColor), "image 0 \"face\": "},
+      {square.write("words.glb", words, "\"source\":0", kColor), "neither PNG nor JPEG nor WebP"},
+      {square.write("outside.glb", "\"bufferView\":99", "\"source\":0", kColor), "buffer view 99"},
+      {square.write("lost.glb", words, "\"source\":7", kColor), "no PNG, JPEG or WebP image"},
+      {square.write("basis.glb", words, "\"extensions\":{\"KHR_texture_basisu\":{\"source\":0}}", kColor),
+       "no PNG, JPEG or WebP image"},
+      {square.write("index.glb", words, "\"source\":0",
+                    "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":3}}"),
+       "no texture 3"},
+      {square.write("uv1.glb", words, "\"source\":0",
+                    "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}}"),
+       "TEXCOORD_1"}};
+  for (const auto& [file, fault] : files) {
+    const Result result = cookFile(file);
+    EXPECT_THAT(textureWarnings(result), ElementsAre(AllOf(HasSubstr("material"), HasSubstr("\"skin\""),
+                                                           HasSubstr("base colour"), HasSubstr(fault))))
+        << file;
+    EXPECT_TRUE(result.asset.view().base_maps.empty()) << file;
+    EXPECT_EQ(result.asset.view().parts[0].base_maps, kAbsent) << file;
+  }
+  EXPECT_THAT(importedFiles(missing), ElementsAre(missing));
+}
+
+TEST(BaseMaps, ATransformIsKept) {
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(3), "png"));
+  const Result result = cookFile(square.write(
+      "transform.glb", image, "\"source\":0",
+      "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":"
+      "{"
+      "\"offset\":[0.25,0.5],\"rotation\":1.5707963267948966,\"scale\":[2,3]}}}}",
+      ",\"extensionsRequired\":[\"KHR_texture_transform\"],\"extensionsUsed\":[\"KHR_texture_transform\"]"));
+  EXPECT_THAT(textureWarnings(result), IsEmpty());
+  // A quarter turn counter-clockwise as seen, v down: (u, v) -> (v, -u).
+  const std::array<float, 6> expected = {0, -2, 3, 0, 0.25f, 0.5f};
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(mapsOf(result).color_uv[i], expected[i], 1e-6f) << i;
+}
+
+TEST(BaseMaps, TheirSizeHasALimitAndNoneCanBeKept) {
+  Square square;
+  const fs::path file =
+      square.write("size.glb", square.embedded(fileOf(quadrants(3), "png")), "\"source\":0", kColor);
+  const Result small = cookFile(file, 8), none = cookFile(file, 0);
+  expectQuadrants(small.asset, 0.012);
+  EXPECT_EQ(small.asset.view().base_maps[0].color.width, 8u);
+  EXPECT_TRUE(none.asset.view().base_maps.empty());
+  EXPECT_LT(none.cooked.bytes.size(), small.cooked.bytes.size());
+  EXPECT_THAT(small.cooked.report.textures, Contains(::testing::Field(&TextureReport::own, true)));
+  EXPECT_THAT(none.cooked.report.textures, Not(Contains(::testing::Field(&TextureReport::own, true))));
+}
+
+TEST(BaseMaps, OpacityCountsWhereTheMaterialSaysSo) {
+  std::array<Color, 4> colors = kQuadrants;
+  colors[0][3] = 0;
+  colors[1][3] = 128;
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(4, colors), "png"));
+  const Result masked = cookFile(square.write("mask.glb", image, "\"source\":0",
+                                              kColor + ",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25"));
+  const BaseMaps maps = mapsOf(masked);
+  EXPECT_EQ(maps.opaque_from, 0.25f);
+  ASSERT_EQ(maps.color.format, TextureFormat::kBc3);
+  EXPECT_NEAR(texelAt(maps.color, 0, 0, 8, 8).w, 0.0f, 0.01f);
+  EXPECT_NEAR(texelAt(maps.color, 0, 0, 24, 8).w, 128 / 255.0f, 0.01f);
+  const Result opaque = cookFile(square.write("opaque.glb", image, "\"source\":0", kColor));
+  EXPECT_EQ(mapsOf(opaque).color.format, TextureFormat::kBc1);
+  EXPECT_EQ(mapsOf(opaque).opaque_from, 0.0f);
+}
+
+// OpenImageIO multiplies WebP's colours by their opacity.
+TEST(BaseMaps, WebpThatIsSeenThroughKeepsItsColours) {
+  // 32 x 32 texels of (40, 160, 60, 127), lossless, by libwebp.
+  constexpr uint8_t kFile[] = {0x52, 0x49, 0x46, 0x46, 0x1e, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56,
+                               0x50, 0x38, 0x4c, 0x11, 0x00, 0x00, 0x00, 0x2f, 0x1f, 0xc0, 0x07, 0x10, 0x07,
+                               0x50, 0xd0, 0xa2, 0x94, 0xa7, 0x7f, 0x81, 0x88, 0xe8, 0x7f, 0x00, 0x00};
+  const ByteImage image = readByteImage(kFile, "image");
+  ASSERT_EQ(image.pixels.size(), size_t{32} * 32 * 4);
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    EXPECT_NEAR(image.pixels[i], 40, 1);
+    EXPECT_NEAR(image.pixels[i + 1], 160, 1);
+    EXPECT_NEAR(image.pixels[i + 2], 60, 1);
+    EXPECT_EQ(image.pixels[i + 3], 127);
+  }
+}
+
+TEST(BaseMaps, ANormalMapIsScaledAndStaysUnit) {
+  std::array<Color, 4> tilted;
+  tilted.fill({204, 128, 230, 255});  // (0.6, 0, 0.8)
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(3, tilted), "png"));
+  const Result result = cookFile(
+      square.write("normal.glb", image, "\"source\":0", "\"normalTexture\":{\"index\":0,\"scale\":0.5}"));
+  const Texture normal = mapsOf(result).normal;
+  ASSERT_EQ(normal.format, TextureFormat::kBc5);
+  for (const uint32_t level : {0u, 3u}) {
+    const Float4 texel = texelAt(normal, level, 0, 1, 1);
+    EXPECT_NEAR(texel.x * 2 - 1, 0.3 / std::sqrt(0.3 * 0.3 + 0.8 * 0.8), 0.01) << level;
+    EXPECT_NEAR(texel.y * 2 - 1, 0.0, 0.01) << level;
+  }
+}
+
+// Every other texel is `a`.
+ByteImage board(const Color& a, const Color& b, uint32_t channels) {
+  ByteImage image{4, 4, channels, {}};
+  for (uint32_t i = 0; i < 16; ++i) {
+    const Color& color = (i / 4 + i) % 2 == 0 ? a : b;
+    image.pixels.insert(image.pixels.end(), color.begin(), color.begin() + channels);
+  }
+  return image;
+}
+
+TEST(EncodeColor, SmallerLevelsAreMeansOfLight) {
+  const EncodedTexture texture = encodeColor(board({255, 255, 255, 255}, {0, 0, 0, 255}, 3), true, 1024);
+  EXPECT_EQ(texture.format, TextureFormat::kBc1);
+  ASSERT_EQ(texture.levels, 3u);
+  EXPECT_NEAR(texture.largest_error, 0.0, 1e-6);
+  for (const uint32_t level : {1u, 2u})
+    EXPECT_NEAR(texelAt(viewOf(texture), level, 0, 0, 0).y, 188 / 255.0, 0.01) << level;  // half the light
+}
+
+TEST(EncodeColor, WhatIsNotSeenHasNoColour) {
+  const EncodedTexture texture = encodeColor(board({0, 255, 0, 0}, {200, 0, 0, 255}, 4), true, 1024);
+  ASSERT_EQ(texture.format, TextureFormat::kBc3);
+  const Float4 mean = texelAt(viewOf(texture), 1, 0, 0, 0);
+  EXPECT_NEAR(mean.x, 200 / 255.0, 0.02);
+  EXPECT_NEAR(mean.y, 0.0, 0.02);
+  EXPECT_NEAR(mean.w, 0.5, 0.01);
+}
+
+TEST(EncodeColor, ErrorsAreMeasured) {
+  ByteImage noise{64, 64, 3, {}};
+  uint32_t state = 1;
+  for (size_t i = 0; i < size_t{64} * 64 * 3; ++i)
+    noise.pixels.push_back(static_cast<uint8_t>((state = state * 1664525u + 1013904223u) >> 24));
+  const EncodedTexture texture = encodeColor(noise, false, 1024);
+  double squares = 0.0, most = 0.0;
+  for (uint32_t y = 0; y < 64; ++y)
+    for (uint32_t x = 0; x < 64; ++x) {
+      const Float4 texel = texelAt(viewOf(texture), 0, 0, x, y);
+      const std::array<float, 3> found = {texel.x, texel.y, texel.z};
+      for (uint32_t c = 0; c < 3; ++c) {
+        const double error = std::abs(double{found[c]} - noise.at(x, y)[c] / 255.0);
+        squares += error * error;
+        most = std::max(most, error);
+      }
+    }
+  EXPECT_GT(most, 0.1);
+  EXPECT_NEAR(texture.rms_error, std::sqrt(squares / (64 * 64 * 3)), 1e-6);
+  EXPECT_NEAR(texture.largest_error, most, 1e-6);
+  // The same bytes from any number of threads.
+  EXPECT_EQ(encodeColor(noise, false, 1024, 4).data, texture.data);
+}
+
+TEST(EncodeColor, AnySize) {
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {3u, 7u}, {17u, 2u}}) {
+    const ByteImage image{width, height, 1, std::vector<uint8_t>(size_t{width} * height, 99)};
+    const EncodedTexture texture = encodeColor(image, false, 16);
+    EXPECT_LE(std::max(texture.width, texture.height), 16u);
+    size_t bytes = 0;
+    for (uint32_t level = 0; level < texture.levels; ++level)
+      bytes += textureLevelBytes(texture.format, texture.width, texture.height, level);
+    EXPECT_EQ(texture.data.size(), bytes);
+    EXPECT_NEAR(texelAt(viewOf(texture), texture.levels - 1, 0, 0, 0).z, 99 / 255.0, 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace furrow::pipeline
