@@ -54,8 +54,8 @@ class Motions {
     for (uint32_t i = rows.offsets[vertex]; i < rows.offsets[vertex + 1]; ++i)
       motion.morphs.push_back({morph_id_[part.first_morph + rows.entries[i].first],
                                to_root_[part_index] * rows.entries[i].second});
-    std::sort(motion.morphs.begin(), motion.morphs.end(),
-              [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::stable_sort(motion.morphs.begin(), motion.morphs.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
     return motion;
   }
 

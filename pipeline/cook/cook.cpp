@@ -246,25 +246,40 @@ class Cook {
     return out;
   }
 
-  // Normals of a primitive, or smooth ones over its points where the file has none.
-  std::vector<glm::vec3> normalsOf(const Part& part, uint32_t first_vertex) const {
+  // Per point, the sum of its triangles' normals times twice their area, in root space, a mirrored part's
+  // turned outwards; empty if no primitive lacks normals.
+  std::vector<glm::dvec3> triangleNormals(std::span<const glm::dmat4> bind) const {
+    std::vector<glm::dvec3> sums;
+    const auto has_normals = [&](const Part& part) {
+      return !scene_.primitives[part.primitive].normals.empty();
+    };
+    if (std::ranges::all_of(scene_.parts, has_normals)) return sums;
+    sums.assign(weld_.points, glm::dvec3(0.0));
+    uint32_t first_vertex = 0;
+    for (size_t i = 0; i < scene_.parts.size(); ++i) {
+      const Primitive& primitive = scene_.primitives[scene_.parts[i].primitive];
+      const glm::dmat3 linear(bind[i]);
+      const double hand = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
+      for (const glm::uvec3& t : trianglesOf(primitive)) {
+        const glm::dvec3 a = primitive.positions[t.x];
+        const glm::dvec3 n = glm::cross(linear * (glm::dvec3(primitive.positions[t.y]) - a),
+                                        linear * (glm::dvec3(primitive.positions[t.z]) - a));
+        for (int c = 0; c < 3; ++c) sums[weld_.vertex_point[first_vertex + t[c]]] += hand * n;
+      }
+      first_vertex += static_cast<uint32_t>(primitive.positions.size());
+    }
+    return sums;
+  }
+
+  // Unit normals of a part's vertices; `smooth` ones where the file has none.
+  std::vector<glm::vec3> normalsOf(const Part& part, uint32_t first_vertex, const glm::dmat4& bind,
+                                   std::span<const glm::dvec3> smooth) const {
     const Primitive& primitive = scene_.primitives[part.primitive];
     std::vector<glm::vec3> normals = primitive.normals;
-    if (normals.empty()) {
-      std::vector<glm::vec3> sum(weld_.points, glm::vec3(0.0f));
-      for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) {
-        const uint32_t* v = &primitive.indices[i];
-        const glm::vec3 n = glm::cross(primitive.positions[v[1]] - primitive.positions[v[0]],
-                                       primitive.positions[v[2]] - primitive.positions[v[0]]);
-        for (int c = 0; c < 3; ++c) sum[weld_.vertex_point[first_vertex + v[c]]] += n;
-      }
+    if (normals.empty())
       for (size_t v = 0; v < primitive.positions.size(); ++v)
-        normals.push_back(sum[weld_.vertex_point[first_vertex + v]]);
-    }
-    for (glm::vec3& n : normals) {
-      const float length = glm::length(n);
-      n = length > 0.0f && std::isfinite(length) ? n / length : glm::vec3(0.0f, 1.0f, 0.0f);
-    }
+        normals.push_back(unit(smooth[weld_.vertex_point[first_vertex + v]] * glm::dmat3(bind), {0, 1, 0}));
+    for (glm::vec3& n : normals) n = unit(n, {0, 1, 0});
     return normals;
   }
 
@@ -313,10 +328,11 @@ class Cook {
       steps.push_back(positionStep(primitive.positions, primitive.indices));
     }
     closeCracks(bind, steps);
+    const std::vector<glm::dvec3> smooth = triangleNormals(bind);
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
-      const std::vector<glm::vec3> normals = normalsOf(part, first_vertex);
+      const std::vector<glm::vec3> normals = normalsOf(part, first_vertex, bind[parts_.size()], smooth);
       const std::span<const glm::uvec3> triangles = trianglesOf(primitive);
       const std::vector<glm::vec4> frames =
           primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)

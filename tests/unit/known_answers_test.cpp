@@ -563,6 +563,51 @@ TEST(KnownAnswers, NoCrackBetweenTheMaterialsOfAMesh) {
   }
 }
 
+// A roof of two materials without normals: they are smooth over its ridge, as within a material.
+TEST(KnownAnswers, NormalsThatAreMissingAreSmoothOverMaterials) {
+  Primitive left = sheet(4), right = sheet(4);
+  for (glm::vec3& p : left.positions) p = {p.x - 1.0f, p.y, 0.5f * (p.x - 1.0f)};
+  for (glm::vec3& p : right.positions) p.z = -0.5f * p.x;
+  SourceScene scene = sceneOf(left, [](glm::dvec3 p) { return p; });
+  scene.primitives[0].morphs.clear();
+  scene.rig.morphs.clear();
+  scene.primitives.push_back(right);
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].primitive = 1;
+  const Asset asset = cookAsset(std::move(scene), recipeOf({axisLayer({1, 0, 0})}));
+  const AssetView& view = asset.view();
+  ASSERT_EQ(view.pointCount(), 45u);
+  for (uint32_t v = 0; v < view.vertexCount(); ++v) {
+    const float x = view.positions[v].x;
+    const glm::vec3 wanted =
+        std::abs(x) < 1e-4f ? glm::vec3(0, 0, 1) : glm::normalize(glm::vec3(x < 0.0f ? -0.5f : 0.5f, 0, 1));
+    EXPECT_NEAR(view.normals[v].x, wanted.x, 2e-3f) << x;
+    EXPECT_NEAR(view.normals[v].z, wanted.z, 2e-3f) << x;
+  }
+}
+
+// Two meshes that meet list their targets in other orders, and two targets of each have one name.
+TEST(KnownAnswers, TargetsOfOneNameDoNotOpenASeam) {
+  constexpr uint32_t kTargets = 40;
+  Primitive left = sheet(1), right = sheet(1);
+  for (glm::vec3& p : right.positions) p.x += 1.0f;
+  SourceScene scene = sceneOf(left, [](glm::dvec3 p) { return p; });
+  scene.primitives[0].morphs.clear();
+  scene.rig.morphs.clear();
+  scene.primitives.push_back(right);
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].primitive = 1;
+  scene.parts[1].first_morph = kTargets;
+  for (uint32_t part = 0; part < 2; ++part)
+    for (uint32_t m = 0; m < kTargets; ++m) {
+      const uint32_t kind = part == 0 ? m : (m + 20) % kTargets;
+      const float far = 0.1f * static_cast<float>(1 + kind);
+      scene.primitives[part].morphs.push_back({{0, 1, 2, 3}, std::vector<glm::vec3>(4, {0, 0, far}), {}});
+      scene.rig.morphs.push_back({kind < 20 ? "same" : "target" + std::to_string(kind), 0, m, 0.0});
+    }
+  EXPECT_EQ(cookAsset(std::move(scene), recipeOf({axisLayer({1, 0, 0})})).view().pointCount(), 6u);
+}
+
 // What a layer is painted with counts on its own parts, and up to their border.
 TEST(KnownAnswers, MasksAndBiasesReachTheBorderOfTheirMaterial) {
   SourceScene scene = sceneOf(sheet(8), [](glm::dvec3 p) { return p; });
