@@ -143,12 +143,12 @@ ByteImage Canvas::current(Painted kind, const AssetView& asset, uint32_t asset_l
 }
 
 Stroke::Stroke(std::shared_ptr<const Canvas> canvas, std::shared_ptr<const ByteImage> before, Painted kind,
-               const Brush& brush, float diagonal)
+               const Brush& brush, float unit)
     : canvas_(std::move(canvas)),
       before_(std::move(before)),
       kind_(kind),
       brush_(brush),
-      radius_(brush.size * diagonal),
+      radius_(brush.size * unit),
       cover_(canvas_->texels().size(), 0.0f) {
   if (kind == Painted::kDirection) along_.assign(cover_.size(), glm::vec2(0.0f));
 }

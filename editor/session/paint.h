@@ -19,7 +19,7 @@ namespace furrow::editor {
 enum class Painted : uint8_t { kBias, kMask, kDirection };
 
 struct Brush {
-  float size = 0.05f;     // radius, of the diagonal of the character at rest, [0.002, 0.5]
+  float size = 0.05f;     // radius, of the unit that a stroke is given, [0.002, 0.5]
   float strength = 0.8f;  // (0, 1]: how far a stroke goes towards what it paints
   float falloff = 0.6f;   // [0, 1]: the part of the radius over which it fades; 0 is a hard edge
   float bias = 1.0f;      // [-1, 1]: the weight that a bias stroke adds
@@ -68,7 +68,7 @@ class Canvas {
 class Stroke {
  public:
   Stroke(std::shared_ptr<const Canvas> canvas, std::shared_ptr<const pipeline::ByteImage> before,
-         Painted kind, const Brush& brush, float diagonal);
+         Painted kind, const Brush& brush, float unit);
 
   // The brush's middle moved here: root space at rest, and the facet's normal there.
   void moveTo(glm::vec3 rest, glm::vec3 normal);

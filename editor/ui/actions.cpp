@@ -85,7 +85,8 @@ void drawMenus(const std::vector<Action>& actions) {
 void runKeys(const std::vector<Action>& actions) {
   if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
   // Arrows, Space and Enter belong to the widget that the keyboard is on.
-  const bool on_widget = ImGui::GetIO().NavVisible;
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool on_widget = io.NavVisible && (io.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) != 0;
   for (const Action& action : actions) {
     const int code = action.chord.key;
     const bool moves =

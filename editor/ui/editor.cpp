@@ -17,7 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
-constexpr const char* kEllipsis = "\xe2\x80\xa6";
 constexpr float kMostOfScreen = 0.4f;  // that a panel takes of the width
 const std::vector<std::string> kImages = {".png", ".tif", ".tiff", ".exr", ".tga", ".jpg", ".jpeg", ".webp"};
 const std::vector<std::string> kMeshes = {".glb", ".gltf", ".obj",  ".ply",
@@ -128,6 +127,10 @@ void Editor::takeSample() {
 
 void Editor::frame(double seconds) {
   beginFrame();
+  // The arrows belong to the brush while the keyboard moves it.
+  ImGuiConfigFlags& flags = ImGui::GetIO().ConfigFlags;
+  flags = state_.cursor ? flags & ~ImGuiConfigFlags_NavEnableKeyboard
+                        : flags | ImGuiConfigFlags_NavEnableKeyboard;
   Session& session = state_.session;
   session.update(seconds);
   takeSample();
@@ -299,7 +302,7 @@ void Editor::drawTools() {
   if (state_.tool != Tool::kGuide) {
     float percent = 100.0f * brush.size;
     small_slider("brush.size", percent, 0.2f, 50.0f, "size %.1f%%", 6.6f,
-                 "Radius of the brush in % of the character's size, 0.2 to 50  ([ and ], Ctrl + wheel)",
+                 "Radius of the brush in % of the view's height, 0.2 to 50  ([ and ], Ctrl + wheel)",
                  ImGuiSliderFlags_Logarithmic);
     brush.size = 0.01f * percent;
     small_slider("brush.strength", brush.strength, 0.01f, 1.0f, "strength %.2f", 7.2f,
@@ -370,13 +373,9 @@ void Editor::drawStatus() {
   tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
   if (!session.messages().empty()) {
     const Message& last = session.messages().back();
-    std::string text = state_.brief(last.text);
     const float room = ImGui::GetWindowWidth() - ImGui::GetItemRectMax().x - 2.0f * em();
     if (room < 6.0f * em()) return;
-    if (ImGui::CalcTextSize(text.c_str()).x > room) {
-      while (!text.empty() && ImGui::CalcTextSize((text + kEllipsis).c_str()).x > room) text.pop_back();
-      text += kEllipsis;
-    }
+    const std::string text = fitted(state_.brief(last.text), room);
     const float width = ImGui::CalcTextSize(text.c_str()).x + em();
     ImGui::SameLine(std::max(ImGui::GetItemRectMax().x + em(), ImGui::GetWindowWidth() - width));
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(last.kind == Message::Kind::kError     ? Colors::kRed

@@ -35,8 +35,9 @@ void drawList(State& state) {
   Session& session = state.session;
   const pipeline::Recipe& recipe = session.document.recipe();
   const uint32_t selected = state.documentLayer();
-  const auto rows = static_cast<float>(std::clamp<size_t>(recipe.layers.size(), 3, 7));
+  const auto rows = static_cast<float>(std::clamp<size_t>(recipe.layers.size(), 3, 9));
   const float padding = 0.4f * em();
+  ImGui::TextDisabled("Layers");
   size_t dragged = recipe.layers.size();
   ImGui::PushStyleColor(ImGuiCol_ChildBg, IM_COL32(22, 23, 25, 255));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, padding});
@@ -116,8 +117,11 @@ using Chosen = std::function<void(const std::filesystem::path&)>;
 void imageRow(State& state, const std::string& id, const char* label, const std::filesystem::path& now,
               const char* none, const char* tip, Chosen chosen, float spare = 0.0f) {
   row(label);
-  const std::string text = now.empty() ? none : now.filename().string();
-  if (button(id.c_str(), text.c_str(), tip, true, ImGui::CalcItemWidth() - spare)) {
+  const float width = ImGui::CalcItemWidth() - spare;
+  const std::string text =
+      now.empty() ? none
+                  : fitted(now.filename().string(), width - 2.0f * ImGui::GetStyle().FramePadding.x, true);
+  if (button(id.c_str(), text.c_str(), tip, true, width)) {
     state.texture_chosen = std::move(chosen);
     state.dialog = Dialog::kTexture;
   }
@@ -206,7 +210,7 @@ void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFr
     response.stretch_lambda = std::max(response.lambda, 1.0f);
   }
   bool own = !stretch_follows;
-  if (checkbox("layer.own_stretch", "Own for stretch", own,
+  if (checkbox("layer.own_stretch", "Separate stretch", own,
                "Give the stretch map an onset and a steepness of its own")) {
     response.stretch_beta = own ? response.beta * 1.5f : response.beta;
     response.stretch_lambda = std::max(response.lambda, 1.0f);

@@ -83,7 +83,7 @@ bool PaintTool::begin(State& state, Painted kind) {
     before = std::make_shared<pipeline::ByteImage>(canvas_->current(kind, asset, state.assetLayer(*shown_)));
   kind_ = kind;
   layer_ = layer.name;
-  stroke_ = std::make_unique<Stroke>(canvas_, before, kind, state.brush, diagonalOf(asset));
+  stroke_ = std::make_unique<Stroke>(canvas_, before, kind, state.brush, viewHeight(state.camera));
   return true;
 }
 
@@ -168,7 +168,7 @@ void PaintTool::drawBrush(const State& state, const Projection& projection, cons
   normal = glm::normalize(normal);
   const glm::vec3 aside = std::abs(normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   const glm::vec3 x = glm::normalize(glm::cross(aside, normal)), y = glm::cross(normal, x);
-  const float radius = state.brush.size * diagonalOf(shown_->view());
+  const float radius = state.brush.size * viewHeight(state.camera);
   for (const float part : {1.0f, 1.0f - state.brush.falloff}) {
     if (part < 0.02f) continue;
     std::array<ImVec2, kRing> ring;

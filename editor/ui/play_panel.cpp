@@ -31,7 +31,7 @@ void heldSlider(const std::string& prefix, const std::string& name, std::map<std
     for (const ImGuiCol color : {ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
       ImGui::PushStyleColor(color, IM_COL32(130, 132, 138, 255));
   if (slider((prefix + name).c_str(), name.c_str(), value, std::min(low, value), std::max(high, value),
-             "%.2f", tip))
+             "%.2f", (name + ": " + tip).c_str()))
     held[name] = value;
   if (!is_held) ImGui::PopStyleColor(2);
   if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) held.erase(name);
@@ -66,7 +66,7 @@ void drawPlayPanel(State& state, const preview::PosedFrame* frame, Share& share)
       const std::string name(asset.layers[l].name);
       if (contains(name, search))
         heldSlider("region.", name, player.regions, frame->region_weights[l], -1.0f, 1.0f,
-                   "Region weight of this layer, -1 stretch to 1 squeeze. Right click: let go");
+                   "scripted weight of this layer, -1 stretch to 1 squeeze. Right click: let go");
     }
   }
   if (asset.morphs.empty()) {
@@ -79,7 +79,7 @@ void drawPlayPanel(State& state, const preview::PosedFrame* frame, Share& share)
       if (!contains(name, search) || std::find(seen.begin(), seen.end(), name) != seen.end()) continue;
       seen.push_back(name);
       heldSlider("morph.", name, player.morphs, frame->morph_weights[m], 0.0f, 1.0f,
-                 "Weight of this morph target, 0 to 1. Right click: let go");
+                 "weight of this morph target, 0 to 1. Right click: let go");
     }
     if (seen.empty()) ImGui::TextDisabled("none contains \"%s\"", search.c_str());
   }

@@ -187,8 +187,12 @@ bool Projection::toScreen(glm::vec3 posed, ImVec2& screen) const {
 
 // ---- Viewport ----
 
+float viewHeight(const preview::Camera& camera) {
+  return 2.0f * camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
+}
+
 void panCamera(preview::Camera& camera, float right, float up) {
-  const float height = 2.0f * camera.distance * std::tan(glm::radians(camera.field_of_view) * 0.5f);
+  const float height = viewHeight(camera);
   const preview::CameraFrame axes = preview::cameraFrame(camera, 1.0f);
   const glm::vec3 move = height * (right * axes.right + up * axes.up);
   camera.target = {camera.target.x + move.x, camera.target.y + move.y, camera.target.z + move.z};
@@ -388,8 +392,13 @@ void Viewport::drawHint(const State& state, ImVec2 low, ImVec2 high) const {
         break;
     }
   const float size = 0.87f * em(), pad = 0.7f * em();
-  const float width = ImGui::GetFont()->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
-  if (width + 2.0f * pad > high.x - low.x) return;
+  const auto widthOf = [&] { return ImGui::GetFont()->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x; };
+  while (widthOf() + 2.0f * pad > high.x - low.x) {  // the last ones matter least
+    const size_t end = text.rfind("     ");
+    if (end == std::string::npos) return;
+    text.erase(end);
+  }
+  const float width = widthOf();
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 at = {std::floor(low.x + pad), std::floor(high.y - pad - size)};
   list->AddRectFilled({at.x - 0.4f * em(), at.y - 0.2f * em()},
@@ -425,7 +434,7 @@ void Viewport::drawLabels(const State& state, ImVec2 low, ImVec2 high) const {
     const Look& look = state.looks[side];
     std::string text = kViewNames[look.view];
     if (look.view == 0)
-      text = kShadingNames[look.shading];
+      text += std::string("  \xc2\xb7  ") + kShadingNames[look.shading];
     else if (look.view != 3 && look.view != 7 && !state.layer.empty())
       text += "  \xc2\xb7  " + state.layer;
     if (side == 1 && look.compared && !state.session.compared().empty())

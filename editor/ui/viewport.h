@@ -51,6 +51,8 @@ struct Projection {
   ImVec2 low_, size_;
 };
 
+// What the picture's height is at the distance of what the camera looks at, root-space units.
+float viewHeight(const preview::Camera& camera);
 // Moves the camera and what it looks at, in heights of the picture.
 void panCamera(preview::Camera& camera, float right, float up);
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kFontPixels = 15.0f, kTitleScale = 2.0f;
 constexpr float kTooltipDelay = 0.45f;
-constexpr float kLabelShare = 0.40f;  // of a panel's width
+constexpr float kLabelShare = 0.42f;  // of a panel's width
 constexpr std::array kFonts = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                "/usr/share/fonts/TTF/DejaVuSans.ttf",
                                "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
@@ -189,13 +189,27 @@ bool toggle(const char* id, const char* label, bool on, const char* tip, bool en
   return done(id, tip, used);
 }
 
+std::string fitted(std::string text, float width, bool keep_end) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  const std::string dots = "\xe2\x80\xa6";
+  const auto whole = [&] { return keep_end ? dots + text : text + dots; };
+  const auto within = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };  // a character
+  while (!text.empty() && ImGui::CalcTextSize(whole().c_str()).x > width) {
+    if (keep_end) {
+      do text.erase(0, 1);
+      while (!text.empty() && within(text.front()));
+    } else {
+      while (within(text.back()) && text.size() > 1) text.pop_back();
+      text.pop_back();
+    }
+  }
+  return whole();
+}
+
 void row(const char* label) {
   const float left = ImGui::GetCursorPosX(), width = ImGui::GetContentRegionAvail().x;
-  const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::AlignTextToFramePadding();
-  ImGui::PushClipRect(at, {at.x + width * kLabelShare - 4.0f, at.y + ImGui::GetFrameHeight()}, true);
-  ImGui::TextUnformatted(label);
-  ImGui::PopClipRect();
+  ImGui::TextUnformatted(fitted(label, width * kLabelShare - 4.0f, true).c_str());
   ImGui::SameLine(left + width * kLabelShare);
   ImGui::SetNextItemWidth(width * (1.0f - kLabelShare));
 }

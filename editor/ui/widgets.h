@@ -39,6 +39,9 @@ std::optional<Rect> find(const std::string& id);  // in this frame or, before it
 // Shows it while the pointer rests on the last item, or while the keyboard is on it.
 void tooltip(const char* text);
 
+// As much of the text as fits, with dots for what does not: its beginning, or its end.
+std::string fitted(std::string text, float width, bool keep_end = false);
+
 // ---- widgets; true when used or changed ----
 
 bool button(const char* id, const char* label, const char* tip, bool enabled = true, float width = 0.0f);
@@ -59,6 +62,7 @@ bool choice(const char* id, const char* label, int& index, std::span<const char*
 bool choice(const char* id, const char* label, std::string& value, std::span<const std::string> names,
             const char* tip);
 bool field(const char* id, const char* label, std::string& value, const char* tip);  // on Enter or leaving
+// Of labels that are too long the end shows: names of morph targets differ there.
 void row(const char* label);  // the label alone; the next item fills the right column
 
 // A heading inside a panel; true while it is open.

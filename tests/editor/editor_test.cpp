@@ -461,7 +461,7 @@ expect no error
 TEST_F(EditorTest, TheBrushCanBeMovedByKeysAndTheLitSurfaceFollowsIt) {
   std::string right;
   for (int i = 0; i < 12; ++i) right += "key Right\n";
-  expectPlays(sheet() + "key B\nkey 1\npicture before\nkey C\nkey Up\nkey Space\n" + right +
+  expectPlays(sheet() + "click tool.tool.bias\nkey 1\npicture before\nkey C\nkey Up\nkey Space\n" + right +
               "picture during\nkey Space\nexpect dirty\nwait\nkey C\npicture after\n"
               "key Ctrl+S\nexpect saved\nexpect no error\n");
   EXPECT_TRUE(fs::exists(folder() / "sheet_lines_bias.png"));
