@@ -619,7 +619,9 @@ TEST(KnownAnswers, MasksAndBiasesReachTheBorderOfTheirMaterial) {
   for (glm::vec3& p : scene.primitives[1].positions) p.x += 1.0f;
   scene.parts.push_back(scene.parts[0]);
   scene.parts[1].primitive = 1;
-  scene.materials = {{"skin"}, {"lips"}};
+  scene.materials.resize(2);
+  scene.materials[0].name = "skin";
+  scene.materials[1].name = "lips";
   scene.parts[0].material = 0;
   scene.parts[1].material = 1;
   pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
