@@ -13,8 +13,8 @@
 // - Structs begin with `size`: set it to sizeof. Fields that you do not know are then never read or written,
 //   so a program keeps working with newer libraries; zero in a field means the default, so begin with
 //   `FurrowFrame frame = {.size = sizeof frame}`. A library that is older than your header refuses a field it
-//   does not know, unless it is zero. FurrowStatus, FurrowResponse, FurrowEase and FurrowStream are as they
-//   are for ever.
+//   does not know, unless it is zero. Structs without `size`, of which there are arrays or which are parts of
+//   others, are as they are for ever.
 // - Threads: a context and an asset may be used by any number of threads at once. An instance and a binding
 //   belong to one thread at a time, any thread. Nothing is locked and nothing waits.
 // - Names are UTF-8, end in 0 and live as long as their asset. Vertices are in the asset's order unless a
