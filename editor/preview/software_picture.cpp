@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <vector>
 
 #include "editor/preview/cpu_frame.h"
@@ -86,28 +87,20 @@ class Shadow {
     rasteriser.run(job);
   }
 
-  // 1 in full light; the mean over a disc of the surface about as wide as `spread`, in world units: a finer
-  // edge of a shadow would be jagged where vertices hold it. `normal`: unit, towards the eye.
-  float at(glm::vec3 position, glm::vec3 normal, float spread) const {
+  // 1 in full light, as surface_fragment.glsl has it. `normal`: unit, towards the eye.
+  float at(glm::vec3 position, glm::vec3 normal) const {
     const float cosine = std::clamp(glm::dot(normal, glm::vec3(scene_.lights[0])), 0.0f, 1.0f);
     const float lift = scene_.eye.w * (6.0f + cosine * (2.0f - 6.0f));
     const glm::vec4 at = scene_.shadow * glm::vec4(position + normal * lift, 1.0f);
-    const float step = std::clamp(spread / scene_.eye.w / (kTaps - 1), 1.0f, 16.0f);
-    // The depths of what is tapped differ by the slope of the surface.
-    const float slope = std::min(std::sqrt(1.0f - cosine * cosine) / std::max(cosine, 1e-3f), 20.0f);
-    const float depth = at.z - 0.001f - (kTaps / 2) * step * slope / kShadowSize;
     float lit = 0.0f;
-    for (int y = 0; y < kTaps; ++y)
-      for (int x = 0; x < kTaps; ++x)
-        lit += litAt(at.x * kShadowSize + step * static_cast<float>(x - kTaps / 2),
-                     (1.0f - at.y) * kShadowSize + step * static_cast<float>(y - kTaps / 2), depth);
-    lit /= kTaps * kTaps;
-    return gpu::shadowAtEdge(glm::mix(1.0f, lit, glm::smoothstep(0.0f, 0.25f, cosine)), glm::vec2(at));
+    for (float y : {-1.7f, 0.0f, 1.7f})
+      for (float x : {-1.7f, 0.0f, 1.7f})
+        lit += litAt(at.x * kShadowSize + x, (1.0f - at.y) * kShadowSize + y, at.z - 0.001f);
+    return gpu::shadowAtEdge(glm::mix(1.0f, lit / 9.0f, glm::smoothstep(0.0f, 0.25f, cosine)), glm::vec2(at));
   }
 
  private:
   static constexpr float kReach = 8.0f;  // depths of the map before it
-  static constexpr int kTaps = 5;        // a side, odd
 
   // Of the four texels about x, y.
   float litAt(float x, float y, float depth) const {
@@ -127,26 +120,15 @@ class Shadow {
   std::vector<float> depth_;
 };
 
-// What a vertex's triangles say about it.
-struct Neighbourhood {
-  float facing = 0.0f;  // negative where the normal looks to the side from which they are seen clockwise
-  float edges = 0.0f;   // sum of the lengths of their edges beside it
-  float count = 0.0f;   // of those
-};
-
-std::vector<Neighbourhood> neighbourhoods(const AssetView& asset, const CpuFrame& frame) {
-  std::vector<Neighbourhood> result(asset.vertexCount());
+// A vertex: negative where its normal looks to the side from which its triangles are seen clockwise.
+std::vector<float> facings(const AssetView& asset, const CpuFrame& frame) {
+  std::vector<float> result(asset.vertexCount());
   for (size_t i = 0; i < asset.indices.size(); i += 3) {
     const uint32_t* corner = &asset.indices[i];
     const glm::vec3 p[3] = {vec(frame.positions[corner[0]]), vec(frame.positions[corner[1]]),
                             vec(frame.positions[corner[2]])};
     const glm::vec3 facet = glm::cross(p[1] - p[0], p[2] - p[0]);
-    for (int k = 0; k < 3; ++k) {
-      Neighbourhood& n = result[corner[k]];
-      n.facing += glm::dot(facet, vec(frame.normals[corner[k]]));
-      n.edges += glm::distance(p[k], p[(k + 1) % 3]) + glm::distance(p[k], p[(k + 2) % 3]);
-      n.count += 2.0f;
-    }
+    for (int k = 0; k < 3; ++k) result[corner[k]] += glm::dot(facet, vec(frame.normals[corner[k]]));
   }
   return result;
 }
@@ -175,36 +157,44 @@ glm::vec3 shownColorAt(const AssetView& asset, const CpuFrame& frame, const Rend
 
 // Of both sides; gloss is empty where no map is to be put under it.
 struct VertexColors {
+  explicit VertexColors(size_t vertices, bool gloss = false)
+      : front(vertices),
+        back(vertices),
+        front_gloss(gloss ? vertices : 0),
+        back_gloss(gloss ? vertices : 0) {}
   std::vector<Float3> front, back, front_gloss, back_gloss;
 };
 
+VertexColors normals(const AssetView& asset, const CpuFrame& frame) {
+  const std::vector<float> facing = facings(asset, frame);
+  VertexColors result(asset.vertexCount());
+  for (size_t v = 0; v < facing.size(); ++v) {
+    const glm::vec3 n = vec(frame.normals[v]) * (facing[v] < 0.0f ? -1.0f : 1.0f);
+    result.front[v] = float3(n);
+    result.back[v] = float3(-n);
+  }
+  return result;
+}
+
+// `shade`: how much of the key light there is.
 VertexColors litColors(const AssetView& asset, const FrameInput& input, const CpuFrame& frame,
-                       const RenderOptions& options, const gpu::Scene& scene, Rasteriser& rasteriser) {
+                       const VertexColors& normals, const RenderOptions& options, const gpu::Scene& scene,
+                       float shade) {
   const bool beauty = options.view == View::kBeauty;
   const std::vector<glm::vec4> values = shownValues(asset, input, options);
-  const std::vector<Neighbourhood> around = neighbourhoods(asset, frame);
-  const Shadow shadow(scene, asset, frame.positions, rasteriser);
-  VertexColors colors;
-  colors.front.resize(asset.vertexCount());
-  colors.back.resize(asset.vertexCount());
-  if (beauty && !asset.base_maps.empty()) {
-    colors.front_gloss.resize(asset.vertexCount());
-    colors.back_gloss.resize(asset.vertexCount());
-  }
+  VertexColors colors(asset.vertexCount(), beauty && !asset.base_maps.empty());
   for (const Part& part : asset.parts) {
     const glm::vec3 part_color(shownColor(asset, part));
     for (uint32_t v = part.vertex_begin; v < part.vertex_end; ++v) {
-      const glm::vec3 position = vec(frame.positions[v]), to_eye = glm::vec3(scene.eye) - position;
+      const glm::vec3 to_eye = glm::vec3(scene.eye) - vec(frame.positions[v]);
       const glm::vec3 view = to_eye / std::max(glm::length(to_eye), 1e-20f);
       const glm::vec3 base = part_color * vertexColor(asset, v);
       const glm::vec3 shown = beauty ? base : shownColorAt(asset, frame, options, values, v);
-      const float spread = around[v].edges / std::max(around[v].count, 1.0f);
       const auto light = [&](glm::vec3 form, std::vector<Float3>& lit, std::vector<Float3>& gloss) {
         if (!beauty) {
           lit[v] = float3(shown * gpu::viewLight(form, view, glm::vec3(scene.lights[0])));
           return;
         }
-        const float shade = shadow.at(position, form, spread);
         const auto of = [&](glm::vec3 color) {
           const auto method = options.lighting == Lighting::kBlinn ? gpu::shadeBlinn : gpu::shade;
           return method(scene.lights, glm::vec3(scene.up), color, form, form, view, 1.0f, part.roughness,
@@ -214,12 +204,30 @@ VertexColors litColors(const AssetView& asset, const FrameInput& input, const Cp
         lit[v] = float3(all - reflected);
         if (!gloss.empty()) gloss[v] = float3(reflected);
       };
-      const glm::vec3 front = vec(frame.normals[v]) * (around[v].facing < 0.0f ? -1.0f : 1.0f);
-      light(front, colors.front, colors.front_gloss);
-      light(-front, colors.back, colors.back_gloss);
+      light(vec(normals.front[v]), colors.front, colors.front_gloss);
+      light(vec(normals.back[v]), colors.back, colors.back_gloss);
     }
   }
   return colors;
+}
+
+// What share of the key light reaches each pixel, from the normals and depths that were drawn there.
+std::vector<float> keyLight(const Shadow& shadow, const gpu::Scene& scene, std::span<const Float4> normals,
+                            std::span<const float> depths, const RenderOptions& options, uint32_t threads) {
+  const glm::dmat4 to_world = glm::inverse(glm::dmat4(scene.view_projection));
+  std::vector<float> lit(normals.size(), 1.0f);
+  pipeline::parallelFor(options.height, threads, [&](uint32_t y) {
+    for (uint32_t x = 0; x < options.width; ++x) {
+      const size_t i = size_t{y} * options.width + x;
+      const glm::vec3 normal(normals[i].x, normals[i].y, normals[i].z);
+      const float length = glm::length(normal);
+      if (depths[i] >= 1.0f || !(length > 0.0f)) continue;
+      const glm::dvec4 at = to_world * glm::dvec4((x + 0.5) / options.width * 2.0 - 1.0,
+                                                  1.0 - (y + 0.5) / options.height * 2.0, depths[i], 1.0);
+      lit[i] = shadow.at(glm::vec3(at) / static_cast<float>(at.w), normal / length);
+    }
+  });
+  return lit;
 }
 
 float encoded(float linear) {
@@ -268,23 +276,41 @@ Image softwarePicture(const AssetView& asset, const FrameInput& input, const Ren
   frame.run(input);
   const gpu::Scene scene = sceneOf(asset, options);
   Rasteriser rasteriser(threads);
-  const VertexColors colors = litColors(asset, input, frame, options, scene, rasteriser);
-
-  std::vector<Float4> drawn(size_t{options.width} * options.height);
   RasterJob job;
   job.asset = &asset;
   job.positions = frame.positions;
   setMatrix(job, scene.view_projection);
   job.width = options.width;
   job.height = options.height;
-  job.colors = colors.front;
-  job.back_colors = colors.back;
-  job.gloss = colors.front_gloss;
-  job.back_gloss = colors.back_gloss;
-  if (options.view == View::kBeauty && options.shading == Shading::kAlpha) job.weights = frame.weights;
   job.vertex_shade = gpu::kVertexShade;
-  job.picture = drawn;
-  rasteriser.run(job);
+  const auto draw = [&](const VertexColors& colors, std::span<float> depths = {}) {
+    std::vector<Float4> picture(size_t{options.width} * options.height);
+    job.colors = colors.front;
+    job.back_colors = colors.back;
+    job.gloss = colors.front_gloss;
+    job.back_gloss = colors.back_gloss;
+    job.picture = picture;
+    job.depth = depths;
+    rasteriser.run(job);
+    return picture;
+  };
+  const VertexColors facing = normals(asset, frame);
+  std::vector<float> lit;  // light is by vertex, but where it does not reach
+  if (options.view == View::kBeauty) {
+    std::vector<float> depths(size_t{options.width} * options.height);
+    const std::vector<Float4> drawn = draw(facing, depths);
+    lit = keyLight(Shadow(scene, asset, frame.positions, rasteriser), scene, drawn, depths, options, threads);
+  }
+  if (options.view == View::kBeauty && options.shading == Shading::kAlpha) job.weights = frame.weights;
+  std::vector<Float4> drawn = draw(litColors(asset, input, frame, facing, options, scene, 1.0f));
+  if (options.view == View::kBeauty) {
+    const std::vector<Float4> dark = draw(litColors(asset, input, frame, facing, options, scene, 0.0f));
+    for (size_t i = 0; i < drawn.size(); ++i) {
+      drawn[i].x = glm::mix(dark[i].x, drawn[i].x, lit[i]);
+      drawn[i].y = glm::mix(dark[i].y, drawn[i].y, lit[i]);
+      drawn[i].z = glm::mix(dark[i].z, drawn[i].z, lit[i]);
+    }
+  }
   return finished(drawn, options, scene.up.w, threads);
 }
 

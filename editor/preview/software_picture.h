@@ -1,7 +1,7 @@
 #pragma once
 
 // The preview's pictures without OpenGL, drawn by the runtime's software rasteriser on the cpu tier. The same
-// camera, lights, background and colours as the renderer's; light and shadow are those of the vertices.
+// camera, lights, shadows, background and colours as the renderer's; light is by vertex.
 
 #include "editor/preview/renderer.h"
 

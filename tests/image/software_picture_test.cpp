@@ -137,7 +137,7 @@ TEST_F(SoftwareBesideOpenGl, PicturesAreNearlyTheSame) {
     const RenderOptions options = optionsFor(View::kBeauty, Shading::kAlpha, 25.0f);
     const Image software = softwarePicture(ball.view(), posed.input, options, 1);
     const Difference d = difference(renderer.render(posed.input, options), software);
-    EXPECT_LT(d.mean, 0.5);
+    EXPECT_LT(d.mean, 0.4);
     EXPECT_LT(d.apart, 0.01);
     const Image plain =
         softwarePicture(ball.view(), posed.input, optionsFor(View::kBeauty, Shading::kNone, 25.0f), 1);
