@@ -22,7 +22,7 @@ const std::filesystem::path kSource = FURROW_SOURCE_DIR;
 constexpr uint32_t kBlock = 8;
 constexpr double kMeanTolerance = 0.4, kBlockTolerance = 5.0;
 // Of the software rasteriser: of the whole picture, and of the creases' depth.
-constexpr double kSoftwareMeanTolerance = 2.6, kSoftwareCreaseTolerance = 0.2;
+constexpr double kSoftwareMeanTolerance = 3.0, kSoftwareCreaseTolerance = 0.2;
 
 struct Window {
   uint32_t x0, y0, x1, y1;
