@@ -8,6 +8,7 @@
 
 #include "editor/cli/commands.h"
 #include "pipeline/error.h"
+#include "pipeline/one_line.h"
 
 int main(int argc, char** argv) {
   using furrow::pipeline::Exit;
@@ -40,7 +41,7 @@ int main(int argc, char** argv) {
     commands.at(app.get_subcommands().front()->get_name())();
     return static_cast<int>(Exit::kDone);
   } catch (const furrow::pipeline::Error& error) {
-    std::fprintf(stderr, "furrow: %s\n", error.what());
+    std::fprintf(stderr, "furrow: %s\n", furrow::pipeline::oneLine(error.what()).c_str());
     return static_cast<int>(error.exit());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "furrow: out of memory: close other programs or cook a smaller file\n");

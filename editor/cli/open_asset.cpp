@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "pipeline/import/import.h"
+#include "pipeline/one_line.h"
 
 namespace furrow::cli {
 
@@ -46,7 +47,7 @@ pipeline::Cooked cookFile(const pipeline::Sequence& source, const std::filesyste
 std::string warningLines(const std::filesystem::path& source, const std::vector<std::string>& warnings) {
   std::string lines;
   for (const std::string& warning : warnings)
-    lines += "furrow: " + source.string() + ": warning: " + warning + '\n';
+    lines += pipeline::oneLine("furrow: " + source.string() + ": warning: " + warning) + '\n';
   return lines;
 }
 

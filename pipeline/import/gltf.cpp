@@ -9,6 +9,7 @@
 
 #include "pipeline/import/formats.h"
 #include "pipeline/import/gltf_document.h"
+#include "pipeline/one_line.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -37,6 +38,8 @@ class GltfImporter {
 
   SourceScene run() {
     scene_.warnings = document_.warnings();
+    if (document_.uses("EXT_mesh_gpu_instancing"))
+      warn("it uses EXT_mesh_gpu_instancing, which furrow does not read: each of its meshes is taken once");
     readNodes();
     findShown();
     readMaterials();
@@ -281,7 +284,7 @@ class GltfImporter {
     for (uint32_t t = 0; t < targets; ++t) {
       MorphTarget morph{.name = {}, .node = node, .index = t, .default_weight = 0.0};
       if (names && t < names->ArrayLen() && names->Get(static_cast<int>(t)).IsString())
-        morph.name = names->Get(static_cast<int>(t)).Get<std::string>();
+        morph.name = oneLine(names->Get(static_cast<int>(t)).Get<std::string>());
       if (t < weights->size()) morph.default_weight = (*weights)[t];
       scene_.rig.morphs.push_back(std::move(morph));
     }

@@ -11,6 +11,7 @@
 #include "pipeline/error.h"
 #include "pipeline/import/formats.h"
 #include "pipeline/input_file.h"
+#include "pipeline/one_line.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -430,6 +431,14 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
   if (!loader.LoadASCIIFromString(&model_, &error, &warning, text.data(), static_cast<uint32_t>(text.size()),
                                   ""))
     fail(error.empty() ? "tinygltf cannot read it" : error);
+  const auto clean = [](auto& items) {
+    for (auto& item : items) item.name = oneLine(std::move(item.name));
+  };
+  clean(model_.nodes);
+  clean(model_.meshes);
+  clean(model_.materials);
+  clean(model_.skins);
+  clean(model_.animations);
 }
 
 std::vector<std::filesystem::path> gltfFiles(const std::filesystem::path& file,

@@ -357,7 +357,8 @@ TEST(Import, WhatFurrowDoesNotUseDoesNoHarm) {
   EXPECT_EQ(scene.primitives[0].attributes[0].values[4], 1.0f);
   EXPECT_EQ(scene.primitives[0].attributes[1].values[2], 9.0f);
   EXPECT_THAT(scene.warnings,
-              ElementsAre(HasSubstr("there is no texture 7"), HasSubstr("animation 0 is left out")));
+              ElementsAre(HasSubstr("EXT_mesh_gpu_instancing"), HasSubstr("there is no texture 7"),
+                          HasSubstr("animation 0 is left out")));
 }
 
 TEST(Import, RequiredExtensionsAreKnownOrNamed) {
@@ -370,6 +371,18 @@ TEST(Import, RequiredExtensionsAreKnownOrNamed) {
     EXPECT_THAT(importText("read.glb", requiring(name)).warnings, IsEmpty());
   for (const char* name : {"KHR_materials_unlit", "KHR_lights_punctual"})
     EXPECT_THAT(importText("harmless.glb", requiring(name)).warnings, ElementsAre(HasSubstr(name)));
+}
+
+TEST(Import, NamesAreOnOneLine) {
+  const SourceScene scene = importText(
+      "names.glb",
+      triangleFile().glb(
+          R"("nodes":[{"mesh":0,"name":"a\tb"}],"scenes":[{"nodes":[0]}],"scene":0,)"
+          R"("meshes":[{"name":"new\nline","primitives":[{"attributes":{"POSITION":0},"material":0}]}],)"
+          R"("materials":[{"name":"\u001b[1m \u00fc"}])"));
+  EXPECT_EQ(scene.parts[0].mesh, "new line");
+  EXPECT_EQ(scene.materials[0].name, " [1m \u00fc");
+  EXPECT_EQ(scene.rig.nodes[0].name, "a b");
 }
 
 TEST(Import, MeshesThatNoNodeShowsGetNodes) {
