@@ -24,12 +24,13 @@ glm::vec3 paintedColor(const AssetView& asset, const Part& part, uint32_t v) {
   const BaseMaps& maps = asset.base_maps[part.base_maps];
   constexpr uint32_t kSide = 64;
   uint32_t level = 0;
-  while (std::max(maps.color.width, maps.color.height) >> level > kSide) ++level;
+  while (level + 1 < maps.color.levels && std::max(maps.color.width, maps.color.height) >> level > kSide)
+    ++level;
   const auto texel = [&](uint32_t axis, uint32_t size) {
     const float* m = maps.color_uv + axis;
     const float at = m[0] * asset.uvs[v].x + m[2] * asset.uvs[v].y + m[4];
     const float within = (at - std::floor(at)) * static_cast<float>(std::max(size >> level, 1u));
-    return std::min(static_cast<uint32_t>(std::max(within, 0.0f)), std::max(size >> level, 1u) - 1);
+    return std::min(static_cast<uint32_t>(std::max(0.0f, within)), std::max(size >> level, 1u) - 1);
   };
   const Float4 c = texelAt(maps.color, level, 0, texel(0, maps.color.width), texel(1, maps.color.height));
   const auto linear = [](float s) {

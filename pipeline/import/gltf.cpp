@@ -178,7 +178,7 @@ class GltfImporter {
       if (in.alphaMode == "BLEND") maps.opaque_from = kBlendCutoff;
       maps.color = readMap(in.pbrMetallicRoughness.baseColorTexture, in, "base colour");
       maps.normal = readMap(in.normalTexture, in, "normal");
-      if (std::isfinite(in.normalTexture.scale))
+      if (std::abs(in.normalTexture.scale) <= double{std::numeric_limits<float>::max()})
         maps.normal_scale = static_cast<float>(in.normalTexture.scale);
       scene_.materials.push_back(std::move(material));
     }

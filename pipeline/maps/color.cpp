@@ -167,9 +167,10 @@ EncodedTexture encodeNormal(ByteImage image, float scale, uint32_t longest, cons
     const float x = value(0), y = value(1);
     const float z = image.channels > 2 ? std::max(value(2), 1.0f / 64.0f)
                                        : std::sqrt(std::max(1.0f - x * x - y * y, 1.0f / 4096.0f));
-    const float length = std::sqrt(scale * scale * (x * x + y * y) + z * z);
-    normal.pixels.push_back(scale * x / length);
-    normal.pixels.push_back(scale * y / length);
+    const double sx = double{scale} * x, sy = double{scale} * y;  // a float's square may be infinite
+    const double length = std::sqrt(sx * sx + sy * sy + double{z} * z);
+    normal.pixels.push_back(static_cast<float>(sx / length));
+    normal.pixels.push_back(static_cast<float>(sy / length));
   }
   const auto blocks = [](uint32_t side) { return (side + 3) / 4 * 4; };
   return encode(TextureFormat::kBc5, {{resize(normal, blocks(normal.width), blocks(normal.height))}}, {},

@@ -136,6 +136,29 @@ TEST(BaseMapsSoftware, ATextureGivesTheColourThatAFactorGives) {
     expectNear(quadrant(image, q), quadrant(softwarePicture(plain(kQuadrants[q])), q), 3 * kStep);
 }
 
+// A file may hold fewer levels than the exposure would like to read.
+TEST(BaseMapsSoftware, LevelsThatAreNotThereAreNotRead) {
+  ByteImage image{256, 256, 3, {}};
+  image.pixels.assign(size_t{256} * 256 * 3, 255);
+  const Model model = painted(image);
+  BaseMaps maps = model.asset.view().base_maps[0];
+  std::vector<std::byte> data(maps.color.data.size());  // black beyond the first level
+  const size_t first = textureLevelBytes(maps.color.format, 256, 256, 0);
+  std::copy_n(maps.color.data.begin(), first, data.begin());
+  const auto drawn = [&](const Texture& color) {
+    maps.color = color;
+    AssetView view = model.asset.view();
+    view.base_maps = {&maps, 1};
+    return preview::softwarePicture(view, model.frame.input, optionsFor(model, Tier::kCpu, Shading::kAlpha),
+                                    2);
+  };
+  const Texture whole = maps.color;
+  Texture cut = whole;
+  cut.levels = 1;
+  cut.data = {data.data(), first};
+  expectNear(quadrant(drawn(cut), 0), quadrant(drawn(whole), 0), kStep);
+}
+
 TEST_F(BaseMapsPicture, BothRenderersMoveTheMapAlike) {
   const Model moved = painted(
       quadrants(3), "", ",\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0],\"scale\":[1,2]}}");

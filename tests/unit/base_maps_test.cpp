@@ -283,6 +283,19 @@ TEST(BaseMaps, ANormalMapIsScaledAndStaysUnit) {
   }
 }
 
+TEST(BaseMaps, AScaleBeyondFloatsLeavesNormalsThatAreNumbers) {
+  std::array<Color, 4> tilted;
+  tilted.fill({204, 128, 230, 255});
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(3, tilted), "png"));
+  for (const auto& [scale, x] : {std::pair("1e30", 1.0), {"1e300", 0.6}}) {
+    const Result result =
+        cookFile(square.write("steep.glb", image, "\"source\":0",
+                              std::string("\"normalTexture\":{\"index\":0,\"scale\":") + scale + "}"));
+    EXPECT_NEAR(texelAt(mapsOf(result).normal, 0, 0, 1, 1).x * 2 - 1, x, 0.01) << scale;
+  }
+}
+
 // Every other texel is `a`.
 ByteImage board(const Color& a, const Color& b, uint32_t channels) {
   ByteImage image{4, 4, channels, {}};
