@@ -49,6 +49,8 @@ Status draw(const FurrowAsset& asset, const FurrowPicture& in) {
   if (in.samples != 0) job.samples = in.samples;
   if (in.colors) job.colors = {reinterpret_cast<const Float3*>(in.colors), vertices};
   if (in.back_colors) job.back_colors = {reinterpret_cast<const Float3*>(in.back_colors), vertices};
+  if (in.gloss) job.gloss = {reinterpret_cast<const Float3*>(in.gloss), vertices};
+  if (in.back_gloss) job.back_gloss = {reinterpret_cast<const Float3*>(in.back_gloss), vertices};
   if (in.weights) job.weights = {in.weights, vertices * view.weightStride()};
   if (in.vertex_shade != 0.0f) job.vertex_shade = in.vertex_shade;
   job.vertices = {reinterpret_cast<RasterVertex*>(memory), vertices};

@@ -1381,6 +1381,19 @@ static void drawPicture(FurrowAsset* asset, int16_t weight, float* picture, floa
     CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, NULL, &status));
     CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(NULL, &desc, &status));
     CHECK(furrow_picture_memory(asset, 0, 10) == 0 && furrow_picture_memory(asset, 10, 4097) == 0);
+    {
+      /* What is mirrored is added. Without back_gloss, no back_colors. */
+      float* gloss = malloc(3 * sizeof(float) * info.vertices);
+      float* added = malloc(16 * 150 * 130);
+      for (i = 0; i < 3 * (size_t)info.vertices; ++i) colors[i] = 0.75f, gloss[i] = 0.25f;
+      wrong = desc, wrong.gloss = gloss, wrong.back_colors = colors;
+      CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_picture_draw(asset, &wrong, &status));
+      wrong.back_gloss = gloss, wrong.picture = added;
+      CHECK_OK(furrow_picture_draw(asset, &wrong, &status));
+      for (i = 0; i < 4 * 150 * 130 && fabsf(added[i] - picture[i]) < 1e-5f; ++i) continue;
+      CHECK(i == 4 * 150 * 130);
+      free(gloss), free(added);
+    }
   }
   free(raw), free(colors), free(weights);
 }

@@ -590,9 +590,13 @@ typedef struct FurrowPicture {
   uint32_t samples;           // a pixel: 1 or 4; 0: 4
   const float* colors;        // 3 a vertex: lit, linear; NULL if there is no `picture`
   const float* back_colors;   // of triangles seen clockwise; NULL: `colors`
-  const int16_t* weights;     // as furrow_instance_weights(); NULL: no creases
-  float vertex_shade;         // of parts without maps, [0, 1]; 0: 0.55
-  void* memory;               // furrow_picture_memory() bytes, aligned to 64
+  // The light that the surface mirrors, 3 a vertex: `colors`, lit as white is, are then multiplied by the
+  // model's own colour map, where the asset has it, and this is added. NULL: the map is not read.
+  const float* gloss;
+  const float* back_gloss;  // of triangles seen clockwise; with `back_colors` and `gloss`
+  const int16_t* weights;   // as furrow_instance_weights(); NULL: no creases
+  float vertex_shade;       // of parts without maps, [0, 1]; 0: 0.55
+  void* memory;             // furrow_picture_memory() bytes, aligned to 64
   size_t memory_bytes;
   float* picture;  // out, 4 a pixel from the top: linear colour times coverage, coverage; or NULL
   float* depth;    // out, a pixel: z / w in [-1, 1], 1 where there is nothing; or NULL
