@@ -124,8 +124,12 @@ def google(result):
         fixed = {"name", "family_index", "per_family_instance_index", "run_name", "run_type", "repetitions", "repetition_index",
                  "threads", "iterations", "real_time", "cpu_time", "time_unit", "label"}
         counters = [f"{key} {value:,.3g}" if value < 1000 else f"{key} {value:,.0f}" for key, value in run.items() if key not in fixed]
-        rows.append([f"`{run['name']}`", f"{run['cpu_time']:,.4g} {run['time_unit']}", ", ".join(counters)])
-    return table(["benchmark", "processor time", "counters"], rows)
+        time, unit = run["real_time" if "real_time" in run["name"] else "cpu_time"], run["time_unit"]
+        if unit == "ms" and time >= 1000:
+            time, unit = time / 1000, "s"
+        name = run["name"].replace("/process_time", "").replace("/real_time", "")
+        rows.append([f"`{name}`", f"{time:.3g} {unit}", ", ".join(counters)])
+    return table(["benchmark", "time", "counters"], rows)
 
 
 def main():
