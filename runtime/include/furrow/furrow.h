@@ -474,7 +474,8 @@ typedef struct FurrowPlanDesc {
   // Extra smoothing, as FurrowFrame.laplace_steps then says again; makes the plan staged. Not in the raster
   // form.
   uint32_t laplace_steps;
-  // Of this asset, its recaptured rest takes the place of the asset's; read during the call only. NULL: none.
+  // Of this asset; its recaptured rest, if it has one, takes the place of the asset's. Read during the call
+  // only. NULL: none.
   const FurrowInstance* rest;
 } FurrowPlanDesc;
 
