@@ -8,7 +8,6 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
-#include <numeric>
 
 #include "asset_header.h"
 #include "pipeline/pack/morphs.h"

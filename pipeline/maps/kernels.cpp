@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <queue>

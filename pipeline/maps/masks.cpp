@@ -1,6 +1,5 @@
 #include "pipeline/maps/masks.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "pipeline/error.h"

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 

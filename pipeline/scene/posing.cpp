@@ -1,7 +1,6 @@
 #include "pipeline/scene/posing.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <span>
