@@ -1,7 +1,6 @@
 #include "pipeline/gltf_export.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <map>

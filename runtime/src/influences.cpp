@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "furrow/skinning.h"
 
 namespace furrow {
