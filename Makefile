@@ -4,12 +4,13 @@
 # make fuzz    10 seconds of libFuzzer a target, where clang is installed with it; FUZZ_SECONDS=300 FUZZ_SEED=0 for a longer run with other choices
 # make demo    make the demo characters, cook them and render pictures into out
 # make figures make the figures of docs/figures.md anew
+# make gallery make demo, and the pictures of README.md and docs/gallery.md anew
 # make bench   run the benchmarks and write their tables into docs/performance.md
 # make clean   remove every build folder
 
 JOBS ?= $(shell nproc)
 
-.PHONY: deps configure build programs test fuzz demo figures bench clean
+.PHONY: deps configure build programs test fuzz demo figures gallery bench clean
 
 deps:
 	tools/deps.sh
@@ -35,6 +36,9 @@ demo: deps programs
 
 figures: deps programs
 	tools/figures.sh build/bin build/content docs/figures
+
+gallery: demo
+	tools/gallery.sh build/bin build/content docs/images out/contact_sheet.png
 
 bench: deps build
 	tools/bench.sh build docs/performance.md

@@ -131,8 +131,9 @@ FacePart ears() {
   for (const dvec3& p : part.mesh.points) {
     const dvec3 n = glm::normalize(slopeOf(headWithEar, p));
     // Thin, and full of blood.
-    part.colors.push_back(skinColor(p, n) * glm::mix(dvec3(1), dvec3(1.04, 0.86, 0.82),
-                                                     smoothRamp(0.05, 0.6, head::distance(p))));
+    part.colors.push_back(
+        skinColor(p) * skinOcclusion(p, n) *
+        glm::mix(dvec3(1), dvec3(1.04, 0.86, 0.82), smoothRamp(0.05, 0.6, head::distance(p))));
   }
   part.materials.assign(part.mesh.triangles.size(), kEar);
 

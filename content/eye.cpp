@@ -16,6 +16,12 @@ using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
 constexpr double kIrisAngle = 0.455, kPupilAngle = 0.155;
+constexpr uint32_t kSpokes = 56, kRings = 22, kCornea = 14;
+
+// The angle from the axis; more rings lie within the cornea.
+double ringAngle(double ring) {
+  return ring <= kCornea ? 0.55 * ring / kCornea : glm::mix(0.55, kPi, (ring - kCornea) / (kRings - kCornea));
+}
 
 // Colour at the angle `a` from the axis, `b` about it.
 dvec3 eyeColor(double a, double b) {
@@ -39,11 +45,6 @@ dvec3 eyeColor(double a, double b) {
 }  // namespace
 
 Mesh eyeball() {
-  constexpr uint32_t kSpokes = 56, kRings = 22, kCornea = 14;
-  const auto ringAngle = [](uint32_t ring) {
-    return ring <= kCornea ? 0.55 * ring / kCornea
-                           : glm::mix(0.55, kPi, (ring - kCornea) / static_cast<double>(kRings - kCornea));
-  };
   // The cornea stands out of the ball.
   const auto at = [](double a, double b) {
     const double bulge = 1 + 0.075 * std::pow(smoothRamp(0.54, 0.0, a), 0.8);
@@ -70,7 +71,7 @@ Mesh eyeball() {
       primitive.uvs.emplace_back(static_cast<double>(spoke) / kSpokes, static_cast<double>(ring) / kRings);
       // The upper lid and its lashes keep the light off.
       const double lit = glm::mix(1.0, 0.45, smoothRamp(0.0, 0.45, std::sin(a) * std::sin(b)));
-      primitive.colors.emplace_back(glm::vec3(eyeColor(a, b) * lit), 1.0f);
+      primitive.colors.emplace_back(glm::vec3(static_cast<float>(lit)), 1.0f);
     }
   }
   for (uint32_t ring = 0; ring < kRings; ++ring) {
@@ -81,6 +82,16 @@ Mesh eyeball() {
     }
   }
   return mesh;
+}
+
+Image eyeColors() {
+  Image image{512, 512, {}};
+  for (uint32_t y = 0; y < image.height; ++y)
+    for (uint32_t x = 0; x < image.width; ++x) {
+      const double a = ringAngle((y + 0.5) / image.height * kRings), b = 2 * kPi * (x + 0.5) / image.width;
+      for (const uint8_t byte : srgb(eyeColor(a, b))) image.rgb.push_back(byte);
+    }
+  return image;
 }
 
 }  // namespace furrow::content

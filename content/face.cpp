@@ -7,8 +7,8 @@
 #include "content/face_parts.h"
 #include "content/head.h"
 #include "content/models.h"
-#include "content/noise.h"
 #include "content/performance.h"
+#include "content/skin_maps.h"
 
 // Puts the parts of the face together; centimetres become metres.
 
@@ -31,15 +31,6 @@ std::vector<Material> materials() {
           {"brows", glm::vec3(1), 0.85f, true},
           {"shirt", glm::vec3(1), 0.9f, true},
           {"eye", glm::vec3(1), 0.12f}};
-}
-
-// Skin is never smooth: what pores and down do to its shading, as fine as the mesh can hold.
-dvec3 pored(dvec3 normal, dvec3 p) {
-  const auto noise = [&](double x) {
-    return valueNoise(p * 4.2 + dvec3(x)) + 0.8 * valueNoise(p * 7.7 + dvec3(x));
-  };
-  const double much = 0.022 * (1 - 0.7 * hairAt(p)) * smoothRamp(-12.0, -6.0, p.z);
-  return glm::normalize(normal + much * dvec3(noise(0), noise(31), noise(67)));
 }
 
 void addPainting(Primitive& primitive) {
@@ -102,10 +93,14 @@ std::vector<Primitive> primitives(const FacePart& part, size_t expressions) {
       if (!fresh) continue;
       const uint32_t point = part.mesh.vertices[vertex].point;
       out.positions.emplace_back(part.mesh.points[point] * 0.01);
-      out.normals.emplace_back(material == kSkin ? pored(normals[point], part.mesh.points[point])
-                                                 : normals[point]);
+      out.normals.emplace_back(normals[point]);
       out.uvs.emplace_back(part.mesh.vertices[vertex].uv.x, 1 - part.mesh.vertices[vertex].uv.y);
-      if (!part.colors.empty()) out.colors.emplace_back(glm::vec3(glm::min(part.colors[point], 1.0)), 1.0f);
+      if (!part.colors.empty()) {
+        // Lids and mouth go on in the colour that the skin has of its map.
+        const bool plain = material == kLid || material == kMouth;
+        const dvec3 color = part.colors[point] * (plain ? skinColor(part.mesh.points[point]) : dvec3(1));
+        out.colors.emplace_back(glm::vec3(glm::min(color, 1.0)), 1.0f);
+      }
       for (size_t e = 0; e < expressions; ++e) {
         out.morphs[e].positions.push_back(morphs[e].positions[point]);
         out.morphs[e].normals.push_back(morphs[e].normals[point]);
@@ -144,7 +139,13 @@ Scene buildFace() {
   Mesh face;
   face.name = "Face";
   for (std::string_view name : expressionNames()) face.morphs.emplace_back(name);
-  for (const FacePart& part : {faceSkin(), ears(), teeth(), brows(), lashes()})
+  const FacePart skin = faceSkin();
+  SkinMaps maps = skinMaps(skin);
+  scene.images = {std::move(maps.color), std::move(maps.normal), eyeColors()};
+  scene.materials[kSkin].color_image = 0;
+  scene.materials[kSkin].normal_image = 1;
+  scene.materials[kEye].color_image = 2;
+  for (const FacePart& part : {skin, ears(), teeth(), brows(), lashes()})
     for (Primitive& primitive : primitives(part, expressionNames().size()))
       face.primitives.push_back(std::move(primitive));
   Mesh still;

@@ -39,16 +39,6 @@ glm::vec3 tangent(dvec3 p, dvec3 wish) {
   return glm::length(t) > 1e-3 ? glm::vec3(glm::normalize(t)) : glm::vec3(0, 1, 0);
 }
 
-// 1 within the red of the lips.
-double lipsAt(dvec3 p) {
-  const double x = std::abs(p.x);
-  if (x > head::kMouth + 0.1 || p.z < 0) return 0;
-  const dvec2 borders = head::lipBorders(std::min(x, head::kMouth));
-  const double soft = 0.09, corner = smoothRamp(head::kMouth + 0.1, head::kMouth - 0.25, x);
-  return corner * smoothRamp(borders.x + soft, borders.x - soft, p.y) *
-         smoothRamp(borders.y - soft, borders.y + soft, p.y);
-}
-
 // The head with its ears, where they matter.
 double solid(dvec3 p) {
   const dvec3 m(std::abs(p.x), p.y, p.z);
@@ -69,6 +59,15 @@ double openness(dvec3 p, dvec3 n) {
 
 }  // namespace
 
+double lipsAt(dvec3 p) {
+  const double x = std::abs(p.x);
+  if (x > head::kMouth + 0.1 || p.z < 0) return 0;
+  const dvec2 borders = head::lipBorders(std::min(x, head::kMouth));
+  const double soft = 0.09, corner = smoothRamp(head::kMouth + 0.1, head::kMouth - 0.25, x);
+  return corner * smoothRamp(borders.x + soft, borders.x - soft, p.y) *
+         smoothRamp(borders.y - soft, borders.y + soft, p.y);
+}
+
 double hairAt(dvec3 p) {
   const double turn = std::atan2(std::abs(p.x), p.z + 7.0);
   const double line = along({{0.0, 6.9},
@@ -88,7 +87,7 @@ double hairAt(dvec3 p) {
                              {2.5, -7.2},
                              {3.2, -7.6}},
                             turn);
-  const double ragged = 0.35 * valueNoise(p * 2.3) + 0.2 * valueNoise(p * 6.0);
+  const double ragged = 0.35 * valueNoise(p * 2.3) + 0.12 * valueNoise(p * 6.0);
   return smoothRamp(-0.25, 0.75, p.y - line + ragged);
 }
 
@@ -152,7 +151,10 @@ Painting paintingAt(dvec3 p) {
   return result;
 }
 
-dvec3 skinColor(dvec3 p, dvec3 normal) {
+dvec3 skinColor(dvec3 p) {
+  constexpr dvec3 kHairColor(0.030, 0.018, 0.012);
+  const double hair = hairAt(p), brow = browAt(p);
+  if (hair == 1) return kHairColor;
   const dvec3 m(std::abs(p.x), p.y, p.z);
   dvec3 color(0.60, 0.365, 0.265);
   const auto tint = [&](dvec3 by, double amount) {
@@ -184,17 +186,19 @@ dvec3 skinColor(dvec3 p, dvec3 normal) {
   // Blotches, and a few freckles.
   tint({1.03, 0.90, 0.88}, 0.5 + 0.7 * valueNoise(p * 0.9));
   color *= 1.0 + 0.035 * valueNoise(p * 2.6) + 0.03 * valueNoise(p * 6.5);
-  const double freckles = smoothRamp(0.52, 0.72, valueNoise(p * 4.3 + dvec3(7))) *
+  const double freckles = smoothRamp(0.34, 0.16, cells(p / 0.4).nearest) *
+                          smoothRamp(-0.2, 0.6, valueNoise(p * 0.8)) *
                           std::max(spot(m, {2.8, -2.2}, {2.4, 1.2}), 0.5 * spot(m, {0, -2.0}, {1.0, 1.6}));
-  tint({0.80, 0.66, 0.55}, 0.5 * freckles * face);
+  tint({0.80, 0.66, 0.55}, 0.45 * freckles * face);
 
-  const double hair = hairAt(p), brow = browAt(p);
   tint({0.42, 0.33, 0.28}, 0.8 * brow);
-  color = glm::mix(color, dvec3(0.030, 0.018, 0.012), 0.96 * hair);
+  return glm::mix(color, kHairColor, hair);
+}
 
+dvec3 skinOcclusion(dvec3 p, dvec3 normal) {
   const double open = openness(p, normal);
   // Light that comes back from skin is red: the red of what is shaded falls last.
-  return color * glm::pow(dvec3(std::max(open, 0.05)), dvec3(0.42, 0.62, 0.66));
+  return glm::pow(dvec3(std::max(open, 0.05)), dvec3(0.42, 0.62, 0.66));
 }
 
 }  // namespace furrow::content

@@ -43,6 +43,7 @@ FacePart hair();
 FacePart shirt();
 // eye.cpp: about the origin, looking along +Z, in metres.
 Mesh eyeball();
+Image eyeColors();  // its colour map
 
 // face_paint.cpp: what an artist would paint on the skin.
 struct Painting {
@@ -51,7 +52,10 @@ struct Painting {
   float bias;                  // neutral 0.5
 };
 Painting paintingAt(glm::dvec3 p);
-glm::dvec3 skinColor(glm::dvec3 p, glm::dvec3 normal);
+glm::dvec3 skinColor(glm::dvec3 p);
+// What the head itself keeps off of the light that comes from all around, for each colour.
+glm::dvec3 skinOcclusion(glm::dvec3 p, glm::dvec3 normal);
+double lipsAt(glm::dvec3 p);  // 1 within the red of the lips
 // How thick the hair grows at p, [0, 1]: on the scalp, and in the brows.
 double hairAt(glm::dvec3 p);
 double browAt(glm::dvec3 p);

@@ -19,6 +19,7 @@ class Writer {
     model_.asset.version = "2.0";
     model_.asset.generator = "furrow_content";
     model_.buffers.emplace_back();
+    for (const Image& image : scene.images) addImage(image);
     for (const Material& material : scene.materials) addMaterial(material);
     for (const Mesh& mesh : scene.meshes) addMesh(mesh);
     addNodes();
@@ -96,6 +97,17 @@ class Writer {
     return accessor;
   }
 
+  // A texture of the same number as the image.
+  void addImage(const Image& source) {
+    tinygltf::Image image;
+    image.mimeType = "image/png";
+    image.bufferView = addView(std::span<const uint8_t>(encodePng(source)));
+    tinygltf::Texture texture;
+    texture.source = static_cast<int>(model_.images.size());
+    model_.images.push_back(image);
+    model_.textures.push_back(texture);
+  }
+
   void addMaterial(const Material& source) {
     tinygltf::Material material;
     material.name = source.name;
@@ -104,6 +116,8 @@ class Writer {
                                                      source.base_color.b, 1.0};
     material.pbrMetallicRoughness.metallicFactor = 0.0;
     material.pbrMetallicRoughness.roughnessFactor = source.roughness;
+    material.pbrMetallicRoughness.baseColorTexture.index = source.color_image;
+    material.normalTexture.index = source.normal_image;
     model_.materials.push_back(material);
   }
 

@@ -21,4 +21,10 @@ class Random {
 // Smooth, about [-1, 1], features one unit wide.
 double valueNoise(glm::dvec3 p);
 
+// Of points strewn one to a unit cell, the distances of the two nearest [Worley 1996].
+struct Cells {
+  double nearest, second;
+};
+Cells cells(glm::dvec3 p);
+
 }  // namespace furrow::content

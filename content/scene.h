@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "content/image.h"
+
 namespace furrow::content {
 
 struct Material {
@@ -21,6 +23,7 @@ struct Material {
   glm::vec3 base_color{1.0f};  // linear
   float roughness = 0.6f;
   bool double_sided = false;
+  int color_image = -1, normal_image = -1;  // sRGB; green up; -1: none
 };
 
 // Displacements of one morph target, one a vertex. Vertices that stay are not written.
@@ -73,6 +76,7 @@ struct Clip {
 };
 
 struct Scene {
+  std::vector<Image> images;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;

@@ -240,17 +240,18 @@ class HalfFace {
   }
 
   void cells() {
-    // Texture space in proportion to the surface: mean lengths of columns and rows.
+    // Texture space in proportion to the surface, mean lengths of columns and rows; less where hair and
+    // collar are.
     std::vector<double> across(columns(), 0.0), along(rows(), 0.0);
     for (uint32_t i = 1; i < columns(); ++i) {
       double sum = 0;
       for (uint32_t j = 0; j < rows(); ++j) sum += glm::distance(at(upper(i, j)), at(upper(i - 1, j)));
-      across[i] = across[i - 1] + sum / rows();
+      across[i] = across[i - 1] + sum / rows() * glm::mix(1.0, 0.35, smoothRamp(0.95, 1.5, angles_[i]));
     }
     for (uint32_t j = 1; j < rows(); ++j) {
       double sum = 0;
       for (uint32_t i = 0; i < columns(); ++i) sum += glm::distance(at(lower(i, j)), at(upper(i, j - 1)));
-      along[j] = along[j - 1] + sum / columns();
+      along[j] = along[j - 1] + sum / columns() * (heights_[j] < -11.8 || heights_[j] > 8.0 ? 0.45 : 1.0);
     }
     std::vector<uint32_t> top(columns() * rows()), bottom(top.size());
     for (uint32_t j = 0; j < rows(); ++j) {
@@ -399,7 +400,7 @@ FacePart faceSkin() {
   FacePart skin = mirrored(HalfFace().take());
   const std::vector<dvec3> normals = pointNormals(skin.mesh, skin.mesh.points);
   for (size_t p = 0; p < normals.size(); ++p)
-    skin.colors.push_back(skinColor(skin.mesh.points[p], normals[p]));
+    skin.colors.push_back(skinOcclusion(skin.mesh.points[p], normals[p]));
   return skin;
 }
 

@@ -11,8 +11,8 @@ packages=(
   libglm-dev libtinygltf-dev nlohmann-json3-dev libmeshoptimizer-dev libopenmesh-dev libopenimageio-dev libpng-dev libeigen3-dev libstb-dev libcli11-dev
   # preview and editor
   libimgui-dev libglfw3-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
-  # figures
-  gnuplot-nox fonts-dejavu-core
+  # figures and gallery
+  gnuplot-nox fonts-dejavu-core pngquant
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev libvulkan-dev mesa-vulkan-drivers xvfb xauth python3-jsonschema
 )

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# gallery.sh BIN CONTENT OUT: the sheets of docs/gallery.md, from the assets that demo.sh has cooked into CONTENT.
+# gallery.sh BIN CONTENT OUT CONTACT_SHEET: the sheets of docs/gallery.md, from the assets that demo.sh has cooked into CONTENT, and its
+# contact sheet; all with 256 colours, a third of the bytes.
 set -euo pipefail
 
-bin=$1 content=$2 out=$3
+bin=$1 content=$2 out=$3 contact_sheet=$4
 mkdir -p "$out"
 cells=()
 
@@ -22,10 +23,16 @@ pose() {
   picture "$caption" "${morphs[@]}"
 }
 
+# reduce FROM TO
+reduce() {
+  pngquant --force --strip --output "$2" 256 "$1"
+}
+
 # sheet NAME COLUMNS TITLE: what has been drawn since the last one.
 sheet() {
   "$bin/furrow_contact_sheet" "$out/$1.png" "$2" "$3" "${cells[@]}"
   rm -f "$out"/cell_*.png
+  reduce "$out/$1.png" "$out/$1.png"
   cells=()
 }
 
@@ -91,3 +98,5 @@ for shading in none interpolated; do
   done
 done
 sheet gallery_panel 3 "Panel, without and with wrinkles"
+
+reduce "$contact_sheet" "$out/contact_sheet.png"

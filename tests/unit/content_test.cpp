@@ -15,7 +15,9 @@
 #include <set>
 
 #include "content/models.h"
+#include "content/noise.h"
 #include "content/surface_net.h"
+#include "content/surface_texels.h"
 
 namespace furrow::content {
 namespace {
@@ -158,6 +160,71 @@ TEST(SurfaceNet, MeshesABall) {
   EXPECT_EQ(net.points.size() + net.quads.size() - edges.size() / 2, 2u);
 }
 
+// Distances change by no more than the way that is gone; up to 1, beyond which a point may be missed. One
+// point a unit cell.
+TEST(Noise, CellsAreDistances) {
+  Random random(1);
+  const auto anywhere = [&](double reach) {
+    return glm::dvec3(random.between(-reach, reach), random.between(-reach, reach),
+                      random.between(-reach, reach));
+  };
+  double within = 0;
+  constexpr int kTries = 20000;
+  for (int i = 0; i < kTries; ++i) {
+    const glm::dvec3 p = anywhere(50), q = p + anywhere(0.2);
+    const Cells a = cells(p), b = cells(q);
+    ASSERT_LE(a.nearest, a.second);
+    ASSERT_LE(std::abs(std::min(a.nearest, 1.0) - std::min(b.nearest, 1.0)), glm::distance(p, q) + 1e-12);
+    ASSERT_LE(std::abs(std::min(a.second, 1.0) - std::min(b.second, 1.0)), glm::distance(p, q) + 1e-12);
+    within += a.nearest < 0.3;
+  }
+  EXPECT_NEAR(within / kTries, 4.0 / 3.0 * 3.14159265 * 0.027, 0.01);
+}
+
+// A square of 2 by 1 in the plane z = 3, on the left half of the image; `mirrored` turns it about.
+SurfaceMesh sheet(bool mirrored) {
+  SurfaceMesh mesh;
+  const double sign = mirrored ? -1.0 : 1.0;
+  for (const glm::dvec2 at : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1)}) {
+    mesh.points.emplace_back(sign * 2.0 * at.x, at.y, 3.0);
+    mesh.addVertex(static_cast<uint32_t>(mesh.points.size() - 1), {0.5 * at.x, at.y});
+  }
+  mesh.addTriangle(0, 1, 2);
+  mesh.addTriangle(0, 2, 3);
+  return mesh;
+}
+
+TEST(SurfaceTexels, LieOnTheSurfaceAndKnowItsSlopes) {
+  const std::vector<uint32_t> materials(2, 7);
+  for (const bool mirrored : {false, true}) {
+    const SurfaceTexels texels(sheet(mirrored), materials, 7, 16);
+    const double sign = mirrored ? -1.0 : 1.0;
+    for (uint32_t y = 0; y < 16; ++y)
+      for (uint32_t x = 0; x < 16; ++x) {
+        ASSERT_EQ(texels.covered(x, y), x < 8) << x << " " << y;
+        if (x >= 8) continue;
+        const glm::dvec3 p(sign * (x + 0.5) / 4, 1 - (y + 0.5) / 16, 3);
+        EXPECT_LT(glm::distance(texels.position(x, y), p), 1e-12);
+      }
+    // Rises by 1/2 to the image's right and by 1/4 to its top.
+    const Image normals = texels.normals([&](glm::dvec3 p) { return 0.5 * sign * p.x + 0.25 * p.y; });
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.5, -0.25, 1.0));
+    for (size_t i = 0; i < 16 * 16; ++i)
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(normals.rgb[3 * i + c], 127.5 * (normal[c] + 1), 0.51);
+  }
+}
+
+TEST(SurfaceTexels, CarryColoursOverTheEdges) {
+  const std::vector<uint32_t> materials(2, 7);
+  const SurfaceTexels texels(sheet(false), materials, 7, 16);
+  const Image colors = texels.colors([](glm::dvec3 p) { return glm::dvec3(p.x > 1 ? 1.0 : 0.0, 0.5, 0.0); });
+  for (size_t i = 0; i < 16 * 16; ++i) {
+    EXPECT_EQ(colors.rgb[3 * i], i % 16 < 4 ? 0 : 255);
+    EXPECT_EQ(colors.rgb[3 * i + 1], 188);  // of linear 0.5
+  }
+  EXPECT_FALSE(SurfaceTexels(sheet(false), materials, 1, 16).covered(3, 3));
+}
+
 TEST(Content, FaceIsFineEnoughAndOfHumanSize) {
   EXPECT_GE(part(face(), "skin").indices.size() / 3, 15000u);
   size_t triangles = 0;
@@ -209,6 +276,49 @@ TEST(Content, PerformanceLastsTenSecondsAndUsesMostExpressions) {
     for (size_t m = 0; m < key.size(); ++m)
       if (key[m] > 0.3f) used.insert(m);
   EXPECT_GE(used.size(), 20u);
+}
+
+// Lips are redder than the cheek beside them, the scalp is dark; pores stand in the skin and not under the
+// hair.
+TEST(Content, SkinHasColourAndPores) {
+  const Scene& scene = face();
+  const Material& material = scene.materials[part(scene, "skin").material];
+  ASSERT_GE(material.color_image, 0);
+  ASSERT_GE(material.normal_image, 0);
+  const Image &color = scene.images[material.color_image], &normal = scene.images[material.normal_image];
+  const Primitive& skin = part(scene, "skin");
+  struct Sums {
+    glm::dvec3 color{0};
+    double slope = 0;
+    int count = 0;
+  } lips, cheek, scalp;
+  for (size_t v = 0; v < skin.positions.size(); ++v) {
+    const glm::vec3 p = skin.positions[v];
+    Sums* sums = nullptr;
+    if (std::abs(p.x) < 0.012f && p.y < -0.0712f && p.y > -0.0755f && p.z > 0.0f) sums = &lips;
+    if (std::abs(std::abs(p.x) - 0.035f) < 0.008f && std::abs(p.y + 0.04f) < 0.01f && p.z > 0.0f)
+      sums = &cheek;
+    if (p.y > 0.09f) sums = &scalp;
+    if (sums == nullptr) continue;
+    const auto texel = [&](const Image& image) {
+      const auto x = static_cast<size_t>(skin.uvs[v].x * static_cast<float>(image.width)),
+                 y = static_cast<size_t>(skin.uvs[v].y * static_cast<float>(image.height));
+      const uint8_t* c = &image.rgb[3 * (y * image.width + x)];
+      return glm::dvec3(c[0], c[1], c[2]);
+    };
+    sums->color += texel(color);
+    sums->slope += glm::length(glm::dvec2(texel(normal)) - 127.5);
+    ++sums->count;
+  }
+  for (Sums* sums : {&lips, &cheek, &scalp}) {
+    ASSERT_GT(sums->count, 20);
+    sums->color /= sums->count;
+    sums->slope /= sums->count;
+  }
+  EXPECT_GT(lips.color.r / lips.color.g, 1.15 * cheek.color.r / cheek.color.g);
+  EXPECT_LT(scalp.color.r, 0.4 * cheek.color.r);
+  EXPECT_GT(cheek.slope, 3.0);
+  EXPECT_LT(scalp.slope, 1.0);
 }
 
 TEST(Content, EarsStandOutOfTheHead) {
