@@ -25,11 +25,8 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 
+// Layers that are measured and smoothed at once.
 constexpr uint32_t kPass = 4;
-
-HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
-  return load(positions + corner[0]);
-}
 
 // The rings of kRingLanes points in kLayers layers, whose q lie side by side.
 template <uint32_t kLayers>
@@ -59,11 +56,6 @@ HWY_INLINE void storeSideBySide(const Lanes (&q)[kLayers], float* out) {
 // Layers that are measured and smoothed at once.
 constexpr uint32_t kPass = HWY_MAX_BYTES >= 32 ? 8 : 4;
 static_assert(kPass <= kMostInPass);
-
-// The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
-HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
-  return loadBlocks([&](int i) HWY_ATTR { return positions + corner[12 * i]; });
-}
 
 // kRingLanes floats, in one vector or two.
 using DRing = hn::CappedTag<float, kRingLanes>;
@@ -366,6 +358,11 @@ HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, floa
       store4(x, y, z, w, out + 4 * i);
     }
   }
+}
+
+// The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
+HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
+  return loadBlocks([&](int i) HWY_ATTR { return positions + corner[12 * i]; });
 }
 
 // Edges of kWidth triangles by coordinate.

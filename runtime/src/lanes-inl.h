@@ -76,6 +76,11 @@ HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   for (int row = 0; row < 4; ++row)
     for (int k = 0; k < 4; ++k) out[row]->v[k] = m[k].v[row];
 }
+// Block i from at(i).
+template <typename At>
+HWY_INLINE Lanes loadBlocks(At at) {
+  return load(at(0));
+}
 // Block i to `p + i * step`.
 HWY_INLINE void storeBlocks(Lanes a, float* p, size_t) {
   store(a, p);
