@@ -357,9 +357,66 @@ void drawReach(State& state, const LayerRecipe& layer) {
       [](LayerRecipe& edited) { edited.bias.reset(); });
 }
 
+std::string mapPrefix(bool stretch) {
+  return stretch ? "stretch" : "compress";
+}
+
+void setMap(State& state, const LayerRecipe& layer, bool stretch, const std::string& what,
+            const pipeline::Map& value) {
+  state.edit(what + " of " + layer.name,
+             [&](LayerRecipe& edited) { (stretch ? edited.stretch : edited.compress) = value; });
+}
+
 // `unit`: the diagonal of the character, to which the ranges of lengths belong.
+void drawSynthesis(State& state, const LayerRecipe& layer, bool stretch, float unit,
+                   const pipeline::MapSynthesized& made) {
+  const std::string prefix = mapPrefix(stretch);
+  pipeline::MapSynthesized next = made;
+  const auto set = [&](const std::string& what) { setMap(state, layer, stretch, what, next); };
+  constexpr const char* kPresets[] = {"Automatic", "Skin", "Skin, fine", "Cloth", "Cloth, puckers"};
+  int preset = next.preset ? 1 + static_cast<int>(*next.preset) : 0;
+  if (choice((prefix + ".preset").c_str(), "Preset", preset, kPresets,
+             "Narrow valleys, fine lines, round folds or short bulges; automatic: skin if morph targets "
+             "squeeze the layer, cloth if only joints do")) {
+    next.preset.reset();
+    if (preset > 0) next.preset = static_cast<pipeline::Preset>(preset - 1);
+    set("Preset");
+  }
+  // What the cook worked out is where the slider begins.
+  const pipeline::MapSynthesized* resolved = nullptr;
+  for (const LayerRecipe& other : state.session.resolved().layers)
+    if (other.name == layer.name)
+      resolved = std::get_if<pipeline::MapSynthesized>(stretch ? &other.stretch : &other.compress);
+  const auto length = [&](const char* id, const char* label, double& value, double worked_out, float low,
+                          float high, const char* tip) {
+    float shown = static_cast<float>(value > 0.0 ? value : worked_out);
+    if (slider((prefix + id).c_str(), label, shown, low * unit, high * unit,
+               value > 0.0 ? "%.4g" : "%.4g (auto)", tip, ImGuiSliderFlags_Logarithmic)) {
+      value = double{shown};
+      set(label);
+    }
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value > 0.0) {
+      value = 0.0;
+      set(label);
+    }
+  };
+  length(".spacing", "Spacing", next.spacing, resolved ? resolved->spacing : 0.0, 0.002f, 0.2f,
+         "From ridge to ridge, in the file's unit of length, 0.2% to 20% of the character's size. Right "
+         "click: automatic");
+  length(".depth", "Depth", next.depth, resolved ? resolved->depth : 0.0, 0.0001f, 0.05f,
+         "From valley to ridge, in the file's unit of length, 0.01% to 5% of the character's size. Right "
+         "click: automatic");
+  int seed = static_cast<int>(next.seed);
+  if (integer((prefix + ".seed").c_str(), "Seed", seed, 0, 999999,
+              "Another number gives another pattern, 0 to 999999")) {
+    next.seed = static_cast<uint32_t>(seed);
+    set("Seed");
+  }
+}
+
+// `unit`: as drawSynthesis() takes it.
 void drawMap(State& state, const LayerRecipe& layer, bool stretch, float unit) {
-  const std::string prefix = stretch ? "stretch" : "compress";
+  const std::string prefix = mapPrefix(stretch);
   const pipeline::Map& map = stretch ? layer.stretch : layer.compress;
   if (!section(("section." + prefix).c_str(), stretch ? "Stretch map" : "Compress map",
                stretch ? "The wrinkles where the surface is stretched"
@@ -367,8 +424,7 @@ void drawMap(State& state, const LayerRecipe& layer, bool stretch, float unit) {
                !stretch))
     return;
   const auto set = [&](const std::string& what, const pipeline::Map& value) {
-    state.edit(what + " of " + layer.name,
-               [&](LayerRecipe& edited) { (stretch ? edited.stretch : edited.compress) = value; });
+    setMap(state, layer, stretch, what, value);
   };
   // An image for a map of the kind of `value`.
   const auto chosen = [&](const pipeline::Map& value) -> Chosen {
@@ -434,49 +490,8 @@ void drawMap(State& state, const LayerRecipe& layer, bool stretch, float unit) {
         [stretch](LayerRecipe& edited) {
           (stretch ? edited.stretch_finish : edited.compress_finish).shading.reset();
         });
-  const auto* made = std::get_if<pipeline::MapSynthesized>(&map);
-  if (!made) return;
-  pipeline::MapSynthesized next = *made;
-  constexpr const char* kPresets[] = {"Automatic", "Skin", "Skin, fine", "Cloth", "Cloth, puckers"};
-  int preset = next.preset ? 1 + static_cast<int>(*next.preset) : 0;
-  if (choice((prefix + ".preset").c_str(), "Preset", preset, kPresets,
-             "Narrow valleys, fine lines, round folds or short bulges; automatic: skin if morph targets "
-             "squeeze the "
-             "layer, cloth if only joints do")) {
-    next.preset.reset();
-    if (preset > 0) next.preset = static_cast<pipeline::Preset>(preset - 1);
-    set("Preset", next);
-  }
-  // What the cook worked out is where the slider begins.
-  const pipeline::MapSynthesized* resolved = nullptr;
-  for (const LayerRecipe& other : state.session.resolved().layers)
-    if (other.name == layer.name)
-      resolved = std::get_if<pipeline::MapSynthesized>(stretch ? &other.stretch : &other.compress);
-  const auto length = [&](const char* id, const char* label, double& value, double worked_out, float low,
-                          float high, const char* tip) {
-    float shown = static_cast<float>(value > 0.0 ? value : worked_out);
-    if (slider((prefix + id).c_str(), label, shown, low * unit, high * unit,
-               value > 0.0 ? "%.4g" : "%.4g (auto)", tip, ImGuiSliderFlags_Logarithmic)) {
-      value = double{shown};
-      set(label, next);
-    }
-    if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value > 0.0) {
-      value = 0.0;
-      set(label, next);
-    }
-  };
-  length(".spacing", "Spacing", next.spacing, resolved ? resolved->spacing : 0.0, 0.002f, 0.2f,
-         "From ridge to ridge, in the file's unit of length, 0.2% to 20% of the character's size. Right "
-         "click: automatic");
-  length(".depth", "Depth", next.depth, resolved ? resolved->depth : 0.0, 0.0001f, 0.05f,
-         "From valley to ridge, in the file's unit of length, 0.01% to 5% of the character's size. Right "
-         "click: automatic");
-  int seed = static_cast<int>(next.seed);
-  if (integer((prefix + ".seed").c_str(), "Seed", seed, 0, 999999,
-              "Another number gives another pattern, 0 to 999999")) {
-    next.seed = static_cast<uint32_t>(seed);
-    set("Seed", next);
-  }
+  if (const auto* made = std::get_if<pipeline::MapSynthesized>(&map))
+    drawSynthesis(state, layer, stretch, unit, *made);
 }
 
 void drawDrivers(State& state, const LayerRecipe& layer) {
