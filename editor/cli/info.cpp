@@ -66,9 +66,7 @@ nlohmann::json describe(const OpenedAsset& opened) {
                     {"bytes", bytes}});
   }
   json own_maps = json::array();
-  size_t own_bytes = 0;
   for (const BaseMaps& maps : a.base_maps) {
-    own_bytes += maps.color.data.size() + maps.normal.data.size();
     own_maps.push_back({{"color", describe(maps.color)}, {"normal", describe(maps.normal)}});
   }
   for (const pipeline::Clip& clip : opened.rig.clips)
@@ -92,12 +90,12 @@ nlohmann::json describe(const OpenedAsset& opened) {
           {"positionError", a.position_error},
           {"morphError", a.morph_error},
           {"sections",
-           {{"textures", texture_bytes},
-            {"previewMaps", own_bytes},
+           {{"textures", opened.texture_bytes.maps},
+            {"previewMaps", opened.texture_bytes.own},
             {"placeHash", a.place_hash.size()},
             {"rig", a.rig.size()},
-            {"geometryAndLayers",
-             opened.bytes - texture_bytes - own_bytes - a.place_hash.size() - a.rig.size()}}},
+            {"geometryAndLayers", opened.bytes - opened.texture_bytes.maps - opened.texture_bytes.own -
+                                      a.place_hash.size() - a.rig.size()}}},
           {"gpuBytesPerAsset", per_asset},
           {"gpuBytesPerInstance", per_instance},
           {"tier", describeTier()},

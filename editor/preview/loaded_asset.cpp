@@ -39,6 +39,7 @@ LoadedAsset loadAsset(const std::filesystem::path& file, std::span<const std::by
   loaded.bytes = bytes.size();
   if (const Status status = loaded.asset.load(bytes); !status.ok())
     throw Error(Exit::kBadData, file.string(), status.message, kRemedy);
+  loaded.texture_bytes = pipeline::textureBytes(bytes);
   try {
     loaded.rig = pipeline::readRig(loaded.asset.view());
   } catch (const std::exception& error) {

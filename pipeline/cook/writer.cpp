@@ -161,10 +161,11 @@ class Writer {
 
   Offset<format::Texture> writeTexture(const EncodedTexture& texture) {
     if (texture.slices == 0) return {};
+    const auto stream =
+        streamOf(texture.data, static_cast<uint32_t>(textureLevelBytes(texture.format, 1, 1, 0)));
     return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height,
-                                 texture.slices, texture.levels, bytesVector(b_, texture.data),
-                                 static_cast<float>(texture.rms_error),
-                                 static_cast<float>(texture.largest_error));
+                                 texture.slices, texture.levels, 0, static_cast<float>(texture.rms_error),
+                                 static_cast<float>(texture.largest_error), stream);
   }
 
   const PackInput& in_;

@@ -55,6 +55,7 @@ struct Asset::Storage {
   Arrays<int8_t> bytes{memory};
   Arrays<float> floats{memory};
   Array<uint8_t> colors{memory};
+  Arrays<std::byte> texels{memory};
 };
 
 void Asset::Free::operator()(Storage* storage) const {
@@ -332,7 +333,6 @@ class Loader {
     size_t bytes = 0;
     for (uint32_t level = 0; level < texture->levels(); ++level)
       bytes += textureLevelBytes(format, w, h, level) * texture->slices();
-    if (!texture->data() || texture->data()->size() != bytes) return bad("a texture has the wrong length");
     out = {format,
            w,
            h,
@@ -341,6 +341,14 @@ class Loader {
            bytesOf(texture->data()),
            texture->rms_error(),
            texture->largest_error()};
+    if (out.data.empty()) {
+      auto& texels = s_.texels.emplace_back();
+      const size_t unit = textureLevelBytes(format, 1, 1, 0);  // a texel or a block
+      if (Status status = decode<std::byte>(texture->stream(), unit, bytes / unit, texels); !status.ok())
+        return status;
+      out.data = texels;
+    }
+    if (out.data.size() != bytes) return bad("a texture has the wrong length");
     return {};
   }
 

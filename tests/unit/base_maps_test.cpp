@@ -12,6 +12,7 @@
 #include "pipeline/cook/cook_cache.h"
 #include "pipeline/import/import.h"
 #include "pipeline/maps/color.h"
+#include "pipeline/pack/texture_bytes.h"
 #include "tests/unit/textured_square.h"
 
 namespace furrow::pipeline {
@@ -265,6 +266,22 @@ TEST(BaseMaps, WebpThatIsSeenThroughKeepsItsColours) {
     EXPECT_NEAR(image.pixels[i + 2], 60, 1);
     EXPECT_EQ(image.pixels[i + 3], 127);
   }
+}
+
+TEST(BaseMaps, TexturesArePackedInTheFile) {
+  Square square;
+  const Result result = cookFile(
+      square.write("packed.glb", square.embedded(fileOf(quadrants(3), "png")), "\"source\":0", kColor));
+  const AssetView& view = result.asset.view();
+  const TextureBytes packed = textureBytes(result.cooked.bytes);
+  size_t maps = 0;
+  for (const TextureSet& set : view.texture_sets)
+    maps += set.normals.data.size() + set.shading.data.size() + set.masks.data.size();
+  EXPECT_GT(packed.own, 0u);
+  EXPECT_LT(packed.own, view.base_maps[0].color.data.size());
+  EXPECT_GT(packed.maps, 0u);
+  EXPECT_LT(packed.maps, maps / 2);
+  EXPECT_LT(packed.own + packed.maps, result.cooked.bytes.size());
 }
 
 TEST(BaseMaps, ANormalMapIsScaledAndStaysUnit) {
