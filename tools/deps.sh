@@ -12,7 +12,7 @@ packages=(
   # preview and editor
   libimgui-dev libglfw3-dev libegl1 libgl1 libgl1-mesa-dri libopengl0
   # figures and gallery
-  gnuplot-nox fonts-dejavu-core pngquant
+  gnuplot-nox fonts-dejavu-core netpbm pngquant
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev libvulkan-dev mesa-vulkan-drivers xvfb xauth python3-jsonschema
 )

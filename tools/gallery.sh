@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # gallery.sh BIN CONTENT OUT CONTACT_SHEET: the sheets of docs/gallery.md, from the assets that demo.sh has cooked into CONTENT, and its
-# contact sheet; all with 256 colours, a third of the bytes.
+# contact sheet at half its size; all with 256 colours, a third of the bytes.
 set -euo pipefail
 
 bin=$1 content=$2 out=$3 contact_sheet=$4
@@ -23,8 +23,8 @@ pose() {
   picture "$caption" "${morphs[@]}"
 }
 
-# reduce FROM TO
-reduce() {
+# reduced FROM TO: with 256 colours.
+reduced() {
   pngquant --force --strip --output "$2" 256 "$1"
 }
 
@@ -32,7 +32,7 @@ reduce() {
 sheet() {
   "$bin/furrow_contact_sheet" "$out/$1.png" "$2" "$3" "${cells[@]}"
   rm -f "$out"/cell_*.png
-  reduce "$out/$1.png" "$out/$1.png"
+  reduced "$out/$1.png" "$out/$1.png"
   cells=()
 }
 
@@ -99,4 +99,6 @@ for shading in none interpolated; do
 done
 sheet gallery_panel 3 "Panel, without and with wrinkles"
 
-reduce "$contact_sheet" "$out/contact_sheet.png"
+pngtopam "$contact_sheet" | pamscale -reduce 2 | pnmtopng > "$out/cell.png"
+reduced "$out/cell.png" "$out/contact_sheet.png"
+rm "$out/cell.png"
