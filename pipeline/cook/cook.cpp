@@ -274,6 +274,9 @@ class Cook {
         warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
              std::to_string(std::lround(100.0 * unsure)) +
              "% of its surface: see --view confidence, and draw guide curves or mask that part");
+      if (std::ranges::none_of(layers[l].field.strength, [](float mask) { return mask >= 1.0f / 255.0f; }))
+        warn("layer \"" + layer.name +
+             "\" shows nowhere: nothing squeezes it along its direction: choose another, or paint a mask");
     }
   }
 

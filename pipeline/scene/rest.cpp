@@ -194,7 +194,7 @@ const Clip* findClip(const Rig& rig, const std::string& name) {
 std::string joinNames(const std::vector<std::string>& names, size_t most) {
   if (names.empty()) return "none";
   std::string text;
-  for (size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+  for (size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + (names[i].empty() ? "(no name)" : names[i]);
   if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
   return text;
 }

@@ -95,6 +95,15 @@ TEST_F(RecipeTool, AFittedResponseIsToldAndWritten) {
   EXPECT_NEAR(report.at("seconds"), seconds, 1e-9);
 }
 
+TEST_F(RecipeTool, ALayerThatShowsNowhereIsSaid) {
+  const auto errorsOf = [&](const char* axis) {
+    const std::string layer = std::string(R"({"layers":[{"name":"a","direction":{"axis":)") + axis + "}}]}";
+    return cook({"--recipe", write("recipe.json", layer)}).err;
+  };
+  EXPECT_NE(errorsOf("[0,0,1]").find("layer \"a\" shows nowhere"), std::string::npos);  // along the normal
+  EXPECT_EQ(errorsOf("[1,0,0]").find("nowhere"), std::string::npos);
+}
+
 TEST_F(RecipeTool, AnotherRecipeIsNotReplacedUnasked) {
   const std::string mine = write("mine.json", "mine");
   expectRefused(cook({"--init", mine}), 2, mine + ": it exists already");
