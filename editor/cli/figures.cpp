@@ -102,7 +102,9 @@ pipeline::SourceScene armScene() {
   part.mesh = "arm";
   part.material = 0;
   scene.parts.push_back(part);
-  scene.materials.push_back({"cloth", {0.14f, 0.18f, 0.25f, 1.0f}});
+  pipeline::Material& cloth = scene.materials.emplace_back();
+  cloth.name = "cloth";
+  cloth.base_color = {0.14f, 0.18f, 0.25f, 1.0f};
   return scene;
 }
 
