@@ -42,7 +42,7 @@ class Square {
   }
 
   std::filesystem::path write(const std::string& name, const std::string& image, const std::string& texture,
-                 const std::string& material, const std::string& more = "") const {
+                              const std::string& material, const std::string& more = "") const {
     return writeFile(name, builder_.glb(mesh_ + ",\"images\":[{" + image + "}],\"textures\":[{" + texture +
                                         "}],\"materials\":[{\"name\":\"skin\"," + material + "}]" + more));
   }
