@@ -91,7 +91,8 @@ FacePart lashes() {
       const dvec2 margins = head::lidMargins(x);
       const dvec3 root = head::trace({x, lower ? margins.y - 0.01 : margins.x + 0.01, 9}, {0, 0, -1});
       const dvec3 out = glm::normalize(root - head::kEye);
-      const double length = longest * (0.5 + 0.6 * smoothRamp(0.0, 0.6, t)) * (1 - 0.4 * smoothRamp(0.7, 1.0, t)) * random.between(0.8, 1.1);
+      const double length = longest * (0.5 + 0.6 * smoothRamp(0.0, 0.6, t)) *
+                            (1 - 0.4 * smoothRamp(0.7, 1.0, t)) * random.between(0.8, 1.1);
       const dvec3 fan = glm::normalize(
           out + dvec3(0.55 * (t - 0.42) + 0.12 * (random.next() - 0.5), lower ? -0.35 : 0.05, 0.2));
       std::vector<dvec3> spine;

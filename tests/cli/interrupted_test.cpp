@@ -39,7 +39,7 @@ class Interrupted : public ToolTest {
   const std::filesystem::path small =
       write("small.json", R"({"layers": [{"name": "a", "compress": "none"}]})");
   const std::filesystem::path large =
-      write("large.json", R"({"mapSize": 128, "layers": [{"name": "a", "direction": {"axis": [1, 0, 0]}}]})");
+      write("large.json", R"({"mapSize": 512, "layers": [{"name": "a", "direction": {"axis": [1, 0, 0]}}]})");
 };
 
 TEST_F(Interrupted, ByKillAtAnyMoment) {
