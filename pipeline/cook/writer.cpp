@@ -164,8 +164,9 @@ class Writer {
     const auto stream =
         streamOf(texture.data, static_cast<uint32_t>(textureLevelBytes(texture.format, 1, 1, 0)));
     return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height,
-                                 texture.slices, texture.levels, 0, static_cast<float>(texture.rms_error),
-                                 static_cast<float>(texture.largest_error), stream);
+                                 texture.slices, texture.levels, stream,
+                                 static_cast<float>(texture.rms_error),
+                                 static_cast<float>(texture.largest_error));
   }
 
   const PackInput& in_;

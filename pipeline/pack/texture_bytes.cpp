@@ -8,9 +8,7 @@ namespace furrow::pipeline {
 TextureBytes textureBytes(std::span<const std::byte> file) {
   const format::Asset& asset = *format::GetAsset(file.data() + sizeof(AssetHeader));
   const auto sizeOf = [](const format::Texture* texture) -> size_t {
-    if (!texture) return 0;
-    if (texture->data()) return texture->data()->size();
-    return texture->stream() ? texture->stream()->data()->size() : 0;
+    return texture && texture->stream() ? texture->stream()->data()->size() : 0;
   };
   TextureBytes bytes;
   for (uint32_t i = 0; asset.texture_sets() && i < asset.texture_sets()->size(); ++i) {

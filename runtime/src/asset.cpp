@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <deque>
@@ -328,27 +329,24 @@ class Loader {
     const uint32_t w = texture->width();
     const uint32_t h = texture->height();
     if (texture->format() != static_cast<uint8_t>(format) || w == 0 || h == 0 || w > 16384 || h > 16384 ||
-        texture->slices() > 2 * kMaxLayers || texture->levels() == 0 || texture->levels() > 15)
+        texture->slices() > 2 * kMaxLayers || texture->levels() == 0 ||
+        texture->levels() > static_cast<uint32_t>(std::bit_width(std::max(w, h))))
       return bad("a texture's size or format is out of range");
     size_t bytes = 0;
     for (uint32_t level = 0; level < texture->levels(); ++level)
       bytes += textureLevelBytes(format, w, h, level) * texture->slices();
+    auto& texels = s_.texels.emplace_back();
+    const size_t unit = textureLevelBytes(format, 1, 1, 0);  // a texel or a block
+    if (Status status = decode<std::byte>(texture->stream(), unit, bytes / unit, texels); !status.ok())
+      return status;
     out = {format,
            w,
            h,
            texture->slices(),
            texture->levels(),
-           bytesOf(texture->data()),
+           texels,
            texture->rms_error(),
            texture->largest_error()};
-    if (out.data.empty()) {
-      auto& texels = s_.texels.emplace_back();
-      const size_t unit = textureLevelBytes(format, 1, 1, 0);  // a texel or a block
-      if (Status status = decode<std::byte>(texture->stream(), unit, bytes / unit, texels); !status.ok())
-        return status;
-      out.data = texels;
-    }
-    if (out.data.size() != bytes) return bad("a texture has the wrong length");
     return {};
   }
 

@@ -15,7 +15,7 @@
 namespace furrow {
 
 inline constexpr uint32_t kFormatVersion =
-    3;  // bumped, never renumbered; docs/format.md says what each version changed
+    4;  // bumped, never renumbered; docs/format.md says what each version changed
 inline constexpr uint32_t kMaxLayers = 16;
 inline constexpr uint32_t kMaxPaletteEntries = 65536;
 
