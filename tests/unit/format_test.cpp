@@ -68,8 +68,9 @@ TEST(StoredAssets, OfEveryOtherVersionAreRefused) {
     Asset asset;
     const Status status = asset.load(readStored(entry.path().filename()));
     EXPECT_EQ(status.code, StatusCode::kUnsupportedVersion) << name;
-    EXPECT_EQ(std::string(status.message), "it has format version " + name.substr(1) +
-                                               ", this furrow reads version " + kPresent.substr(1));
+    const std::string version = name.substr(1, name.find('_') - 1);
+    EXPECT_EQ(std::string(status.message),
+              "it has format version " + version + ", this furrow reads version " + kPresent.substr(1));
     EXPECT_EQ(asset.view().vertexCount(), 0u);
   }
 }
