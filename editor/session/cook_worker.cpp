@@ -11,6 +11,7 @@ namespace furrow::editor {
 namespace {
 
 constexpr uint32_t kDraftMapSize = 256;
+constexpr size_t kMostEncoded = 32;  // images, a few MB each
 
 std::filesystem::file_time_type timeOf(const std::filesystem::path& file) {
   std::error_code ignored;
@@ -128,6 +129,8 @@ void CookWorker::cook(const CookRequest& request, bool draft) {
       options.threads = std::max(1u, std::thread::hardware_concurrency());
       options.progress = [this](const char* stage) { enter(stage); };
       options.images = request.content.images;
+      if (encoded_.size() > kMostEncoded) encoded_.clear();
+      options.encoded = &encoded_;
       pipeline::Recipe recipe = request.content.recipe;
       if (draft) recipe.map_size = kDraftMapSize;
       pipeline::Cooked cooked = pipeline::cook(scene(request.source), recipe, options);

@@ -1,7 +1,12 @@
 #include "pipeline/cook/base_maps.h"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include <algorithm>
+#include <bit>
 #include <set>
+#include <span>
 
 #include "pipeline/error.h"
 #include "pipeline/input_file.h"
@@ -10,16 +15,19 @@
 namespace furrow::pipeline {
 namespace {
 
-ByteImage decoded(const SourceImage& image, std::vector<std::filesystem::path>& dependencies) {
-  if (image.file.empty()) return readByteImage(image.bytes, image.name);
-  const std::vector<uint8_t> bytes = readBytes(image.file);
-  if (std::ranges::find(dependencies, image.file) == dependencies.end()) dependencies.push_back(image.file);
-  return readByteImage(bytes, image.file.string());
+std::string keyOf(std::span<const uint8_t> bytes, const char* use, float setting, uint32_t longest) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  std::string key = use;
+  for (const uint64_t part :
+       {hash.high64, hash.low64, uint64_t{std::bit_cast<uint32_t>(setting)}, uint64_t{longest}})
+    key += ' ' + std::to_string(part);
+  return key;
 }
 
 }  // namespace
 
-SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t threads) {
+SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t threads,
+                           EncodedImages& known_images) {
   SceneBaseMaps out;
   out.of_material.assign(scene.materials.size(), kNoIndex);
   std::set<uint32_t> shown;
@@ -35,10 +43,18 @@ SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t 
       continue;
     }
     BakedBaseMaps maps{material.name, material.maps, {}, {}};
-    const auto bake = [&](const MaterialMap& map, const char* use, const auto& encoded) {
+    const auto bake = [&](const MaterialMap& map, const char* use, float setting, const auto& encoded) {
       if (map.image == kNoIndex) return EncodedTexture();
+      const SourceImage& image = scene.images[map.image];
       try {
-        return encoded(decoded(scene.images[map.image], out.dependencies));
+        const std::vector<uint8_t> read = image.file.empty() ? std::vector<uint8_t>() : readBytes(image.file);
+        if (!image.file.empty() && std::ranges::find(out.dependencies, image.file) == out.dependencies.end())
+          out.dependencies.push_back(image.file);
+        const std::span<const uint8_t> bytes = image.file.empty() ? image.bytes : read;
+        const std::string key = keyOf(bytes, use, setting, longest);
+        if (const auto found = known_images.find(key); found != known_images.end()) return found->second;
+        const std::string name = image.file.empty() ? image.name : image.file.string();
+        return known_images[key] = encoded(readByteImage(bytes, name));
       } catch (const Error& error) {
         if (error.exit() == Exit::kEnvironment) throw;
         out.warnings.push_back("material \"" + material.name + "\": its " + use +
@@ -46,10 +62,11 @@ SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t 
         return EncodedTexture();
       }
     };
-    maps.color = bake(material.maps.color, "base colour", [&](ByteImage image) {
-      return encodeColor(std::move(image), material.maps.opaque_from > 0.0f, longest, threads);
+    const bool opacity = material.maps.opaque_from > 0.0f;
+    maps.color = bake(material.maps.color, "base colour", opacity, [&](ByteImage image) {
+      return encodeColor(std::move(image), opacity, longest, threads);
     });
-    maps.normal = bake(material.maps.normal, "normal", [&](ByteImage image) {
+    maps.normal = bake(material.maps.normal, "normal", material.maps.normal_scale, [&](ByteImage image) {
       const SourceImage& source = scene.images[material.maps.normal.image];
       return encodeNormal(std::move(image), material.maps.normal_scale, longest, source.name, threads);
     });

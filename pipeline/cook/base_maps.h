@@ -3,6 +3,7 @@
 // The model's own maps, as an asset keeps them for previews.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,12 @@ struct SceneBaseMaps {
   std::vector<std::filesystem::path> dependencies;  // files of images that were read
 };
 
-// Of the materials that a part with UVs shows. No side is longer than `longest` texels; 0: no maps.
-SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t threads);
+// What images came to, by their bytes and how they are used; kept by whoever cooks a scene again and again.
+using EncodedImages = std::map<std::string, EncodedTexture>;
+
+// Of the materials that a part with UVs shows. No side is longer than `longest` texels; 0: no maps. Images
+// that are in `known` are not decoded; the others are added.
+SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t threads,
+                           EncodedImages& known);
 
 }  // namespace furrow::pipeline

@@ -11,7 +11,6 @@
 #include "pipeline/bake/rest_view.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/weld.h"
-#include "pipeline/cook/base_maps.h"
 #include "pipeline/cook/layer_bake.h"
 #include "pipeline/cook/map_bake.h"
 #include "pipeline/cook/packing.h"
@@ -121,7 +120,9 @@ class Cook {
 
  private:
   void bakeOwnMaps() {
-    base_maps_ = bakeBaseMaps(scene_, recipe_.preview_size, options_.threads);
+    EncodedImages unknown;
+    base_maps_ = bakeBaseMaps(scene_, recipe_.preview_size, options_.threads,
+                              options_.encoded ? *options_.encoded : unknown);
     for (std::string& warning : base_maps_.warnings) warn(std::move(warning));
     dependencies_.insert(dependencies_.end(), base_maps_.dependencies.begin(), base_maps_.dependencies.end());
     release(scene_.images);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "pipeline/cook/base_maps.h"
 #include "pipeline/cook/cook_report.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/pack/geometry_codec.h"
@@ -19,7 +20,8 @@ struct CookOptions {
   uint32_t threads = 2;
   // Called before every stage; an exception of its own ends the cook.
   std::function<void(const char* stage)> progress = [](const char*) {};
-  Images images = {};  // masks, biases and directions that are not read from their files
+  Images images = {};                // masks, biases and directions that are not read from their files
+  EncodedImages* encoded = nullptr;  // of earlier cooks; this one adds its own
 };
 
 struct Cooked {

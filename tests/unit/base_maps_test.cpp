@@ -129,7 +129,9 @@ TEST(BaseMaps, ARealAvatarThatRequiresWebpHasItsColours) {
   const fs::path plain = fs::path(FURROW_CORPUS) / "face/valid/Asian_F_1_Casual_decoded.glb";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
   // The same images as WebP, and as PNG and JPEG.
-  const SceneBaseMaps webp = bakeBaseMaps(import(file), 64, 2), other = bakeBaseMaps(import(plain), 64, 2);
+  EncodedImages known;
+  const SceneBaseMaps webp = bakeBaseMaps(import(file), 64, 2, known),
+                      other = bakeBaseMaps(import(plain), 64, 2, known);
   EXPECT_THAT(webp.warnings, IsEmpty());
   ASSERT_EQ(webp.maps.size(), 1u);
   ASSERT_EQ(other.maps.size(), 1u);
@@ -173,6 +175,29 @@ TEST(BaseMaps, AnImageMayBeADataUriOrAFileBesideTheModel) {
 
   // Nothing that is left out is an input.
   EXPECT_THAT(cookFile(beside, 0).cooked.dependencies, ElementsAre(beside));
+}
+
+TEST(BaseMaps, AnImageIsEncodedOnceUntilItsBytesOrItsUseChange) {
+  const Square square;
+  const auto writePng = [](int channels) {
+    const std::vector<uint8_t> png = fileOf(quadrants(channels), "png");
+    writeFile("once.png", std::string(png.begin(), png.end()));
+  };
+  writePng(3);
+  const SourceScene scene = import(square.write("once.glb", "\"uri\":\"once.png\"", "\"source\":0", kColor));
+  EncodedImages known;
+  const SceneBaseMaps first = bakeBaseMaps(scene, 64, 1, known);
+  ASSERT_EQ(known.size(), 1u);
+  EXPECT_EQ(known.begin()->second.data, first.maps.at(0).color.data);
+  known.begin()->second.rms_error = 7.0;  // a mark
+  EXPECT_EQ(bakeBaseMaps(scene, 64, 1, known).maps.at(0).color.rms_error, 7.0);
+  EXPECT_THAT(bakeBaseMaps(scene, 64, 1, known).dependencies, testing::SizeIs(1));
+
+  EXPECT_NE(bakeBaseMaps(scene, 4, 1, known).maps.at(0).color.rms_error, 7.0);
+  EXPECT_EQ(known.size(), 2u);
+  writePng(1);
+  EXPECT_NE(bakeBaseMaps(scene, 64, 1, known).maps.at(0).color.rms_error, 7.0);
+  EXPECT_EQ(known.size(), 3u);
 }
 
 TEST(BaseMaps, AnImageThatCannotBeReadCostsAWarning) {
