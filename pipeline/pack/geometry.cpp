@@ -52,14 +52,16 @@ PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& v
 }
 
 void packSkin(const Primitive& primitive, PackedPart& part) {
-  const uint32_t most = std::max(1u, primitive.influences);
+  // With one matrix all weight is its own; a mesh that a node shows without a skin may have joints yet.
+  const uint32_t influences = part.palette_count > 1 ? primitive.influences : 0;
+  const uint32_t most = std::max(1u, influences);
   uint32_t used = 1;
   std::vector<uint16_t> shares(size_t{part.vertices} * most, 0);
   std::vector<float> parts_of_one(most, 0.0f);
   UnitShares unit_shares;
   for (size_t v = 0; v < part.vertices; ++v) {
-    for (uint32_t k = 0; k < primitive.influences; ++k) parts_of_one[k] = primitive.weights[v * most + k];
-    if (primitive.influences == 0) parts_of_one[0] = 1.0f;
+    for (uint32_t k = 0; k < influences; ++k) parts_of_one[k] = primitive.weights[v * most + k];
+    if (influences == 0) parts_of_one[0] = 1.0f;
     unit_shares(parts_of_one, {&shares[v * most], most});
     used = std::max(used,
                     static_cast<uint32_t>(most - std::count(&shares[v * most], &shares[v * most] + most, 0)));
@@ -72,7 +74,7 @@ void packSkin(const Primitive& primitive, PackedPart& part) {
     uint32_t written = 0;
     for (uint32_t k = 0; k < most; ++k) {
       if (shares[v * most + k] == 0) continue;
-      joints.values.push_back(primitive.influences ? primitive.joints[v * most + k] : 0u);
+      joints.values.push_back(influences ? primitive.joints[v * most + k] : 0u);
       weights.values.push_back(shares[v * most + k]);
       ++written;
     }

@@ -176,7 +176,7 @@ std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene&
 void requireInRange(const SourceScene& scene, std::span<const glm::vec3> positions) {
   constexpr float kFarthest = 1e18f;
   for (const glm::vec3& p : positions)
-    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarthest))
+    if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))  // nor NaN
       throw Error(Exit::kBadData, scene.file.string(), "a vertex lies more than 1e18 units out, or nowhere",
                   "look at its positions, the transforms of its nodes and its inverse bind matrices");
 }
@@ -194,7 +194,8 @@ const Clip* findClip(const Rig& rig, const std::string& name) {
 std::string joinNames(const std::vector<std::string>& names, size_t most) {
   if (names.empty()) return "none";
   std::string text;
-  for (size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + (names[i].empty() ? "(no name)" : names[i]);
+  for (size_t i = 0; i < std::min(names.size(), most); ++i)
+    text += (i ? ", " : "") + (names[i].empty() ? "(no name)" : names[i]);
   if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
   return text;
 }

@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 
 #include "furrow/place_hash.h"
 #include "pipeline/bake/places.h"
+#include "pipeline/error.h"
+#include "pipeline/scene/rest.h"
 #include "sheets.h"
 
 namespace furrow::tests {
@@ -157,6 +160,15 @@ TEST(Weld, FarFromTheOriginNoEdgeIsClosed) {
   const std::optional<Weld> welded = weld(scene, {});
   EXPECT_LT(welded->tolerance, 1.0f / 6.0f / 10.0f);
   EXPECT_EQ(welded->places, 2 * 49u - 7u);
+}
+
+TEST(Weld, PositionsThatAreNoNumbersAreRefused) {
+  for (const float wrong : {NAN, INFINITY, -2e18f})
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::vec3 position(0.25f);
+      position[axis] = wrong;
+      EXPECT_THROW(pipeline::requireInRange({}, {&position, 1}), pipeline::Error) << wrong << ' ' << axis;
+    }
 }
 
 // Every different source position leads through the hash to its place.
