@@ -12,13 +12,7 @@ using testing::HasSubstr;
 class LostContext : public ToolTest {
  protected:
   void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__)
-    GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-    GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
-#endif
-#endif
+    if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
     const std::string recipe = write("plain.json", R"({"layers": [{"name": "a", "compress": "none"}]})");
     const Outcome cooked = run(
         {"cook", std::string(FURROW_CONTENT) + "/sleeve.glb", "--recipe", recipe, "-o", asset(), "--quiet"});
@@ -30,9 +24,7 @@ class LostContext : public ToolTest {
     unsetenv("FURROW_LOSSES");
   }
 
-  std::string asset() const {
-    return folder() / "sleeve.furrow";
-  }
+  std::string asset() const { return folder() / "sleeve.furrow"; }
 
   Outcome losing(const char* losses, const std::vector<std::string>& command) const {
     setenv("FURROW_LOSSES", losses, 1);

@@ -13,13 +13,7 @@ using testing::Not;
 class NoGl : public ToolTest {
  protected:
   void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__)
-    GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-    GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
-#endif
-#endif
+    if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
     asset_ = folder() / "sleeve.furrow";
     setenv("FURROW_HIDDEN", log().c_str(), 1);
     setenv("LD_PRELOAD", FURROW_HIDE_GL, 1);
@@ -32,9 +26,7 @@ class NoGl : public ToolTest {
     unsetenv("FURROW_HIDDEN");
   }
 
-  std::filesystem::path log() const {
-    return folder() / "hidden.txt";
-  }
+  std::filesystem::path log() const { return folder() / "hidden.txt"; }
   std::vector<std::string> picture(const std::filesystem::path& file, std::vector<std::string> more) const {
     std::vector<std::string> words = {"render",  asset_,   "-o",   file,     "--size",
                                       "160x160", "--clip", "bend", "--time", "0.62"};

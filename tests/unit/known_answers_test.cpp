@@ -545,12 +545,7 @@ TEST(KnownAnswers, NoCrackBetweenTheMaterialsOfAMesh) {
       p = {0.37f * 1.0f - 0.21f + 9.0f * p.x, 0.61f * p.y + 0.013f, 0.1f * p.y + 3.0f * p.x};
     // Where an exporter has jittered the border by rounding, too.
     coarse.positions[0].y = std::nextafter(coarse.positions[0].y, 1.0f);
-    SourceScene scene = sceneOf(fine, [](glm::dvec3 p) { return p; });
-    scene.primitives[0].morphs.clear();
-    scene.rig.morphs.clear();
-    scene.primitives.push_back(coarse);
-    scene.parts.push_back(scene.parts[0]);
-    scene.parts[1].primitive = 1;
+    SourceScene scene = twoParts(fine, coarse);
     const Asset asset = cookAsset(std::move(scene), recipeOf({axisLayer({1, 0, 0})}), codec);
     const AssetView& view = asset.view();
     EXPECT_EQ(view.pointCount(), 25u * 25u * 2u - 25u);
@@ -568,12 +563,7 @@ TEST(KnownAnswers, NormalsThatAreMissingAreSmoothOverMaterials) {
   Primitive left = sheet(4), right = sheet(4);
   for (glm::vec3& p : left.positions) p = {p.x - 1.0f, p.y, 0.5f * (p.x - 1.0f)};
   for (glm::vec3& p : right.positions) p.z = -0.5f * p.x;
-  SourceScene scene = sceneOf(left, [](glm::dvec3 p) { return p; });
-  scene.primitives[0].morphs.clear();
-  scene.rig.morphs.clear();
-  scene.primitives.push_back(right);
-  scene.parts.push_back(scene.parts[0]);
-  scene.parts[1].primitive = 1;
+  SourceScene scene = twoParts(left, right);
   const Asset asset = cookAsset(std::move(scene), recipeOf({axisLayer({1, 0, 0})}));
   const AssetView& view = asset.view();
   ASSERT_EQ(view.pointCount(), 45u);
@@ -591,12 +581,7 @@ TEST(KnownAnswers, TargetsOfOneNameDoNotOpenASeam) {
   constexpr uint32_t kTargets = 40;
   Primitive left = sheet(1), right = sheet(1);
   for (glm::vec3& p : right.positions) p.x += 1.0f;
-  SourceScene scene = sceneOf(left, [](glm::dvec3 p) { return p; });
-  scene.primitives[0].morphs.clear();
-  scene.rig.morphs.clear();
-  scene.primitives.push_back(right);
-  scene.parts.push_back(scene.parts[0]);
-  scene.parts[1].primitive = 1;
+  SourceScene scene = twoParts(left, right);
   scene.parts[1].first_morph = kTargets;
   for (uint32_t part = 0; part < 2; ++part)
     for (uint32_t m = 0; m < kTargets; ++m) {

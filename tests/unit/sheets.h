@@ -57,6 +57,17 @@ inline Primitive sheet(uint32_t n) {
   return p;
 }
 
+// Two primitives of one mesh, side by side as they are, that nothing moves.
+inline SourceScene twoParts(Primitive left, Primitive right) {
+  SourceScene scene = sceneOf(std::move(left), [](glm::dvec3 p) { return p; });
+  scene.primitives[0].morphs.clear();
+  scene.rig.morphs.clear();
+  scene.primitives.push_back(std::move(right));
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].primitive = 1;
+  return scene;
+}
+
 inline pipeline::LayerRecipe axisLayer(std::array<double, 3> axis, float beta = 4.0f) {
   pipeline::LayerRecipe layer;
   layer.name = "layer";
