@@ -30,7 +30,6 @@ struct Asset::Storage {
   using Arrays = std::pmr::deque<std::pmr::vector<T>>;  // does not move its elements
 
   std::pmr::memory_resource* memory;
-  Array<std::byte> payload{memory};
   // Of all parts; indices and joints absolute.
   Array<Float3> positions{memory}, normals{memory};
   Array<Float4> tangents{memory};
@@ -48,7 +47,10 @@ struct Asset::Storage {
   Array<Driver> drivers{memory};
   Array<TextureSet> texture_sets{memory};
   Array<BaseMaps> base_maps{memory};
-  // What morphs, layers and drivers point into.
+  Array<std::byte> rig{memory}, place_hash{memory};
+  std::string_view tool_version, source_file;
+  // What names, morphs, layers and drivers point into.
+  Arrays<char> names{memory};
   Arrays<Float2> curves{memory};
   Arrays<uint32_t> words{memory};
   Arrays<int32_t> integers{memory};
@@ -67,16 +69,6 @@ namespace {
 
 Status bad(const char* what) {
   return Status::error(StatusCode::kBadData, "%s", what);
-}
-
-std::string_view bytesOf(const flatbuffers::String* string) {
-  return string ? std::string_view(string->data(), string->size()) : std::string_view();
-}
-
-template <typename T>
-std::span<const std::byte> bytesOf(const flatbuffers::Vector<T>* vector) {
-  static_assert(sizeof(T) == 1);
-  return vector ? std::as_bytes(std::span(vector->data(), vector->size())) : std::span<const std::byte>();
 }
 
 bool readAffine(const flatbuffers::Vector<float>* numbers, Affine& out) {
@@ -119,6 +111,10 @@ class Loader {
   Loader(Asset::Storage& storage, const format::Asset& asset) : s_(storage), a_(asset) {}
 
   Status load() {
+    s_.tool_version = kept(a_.tool_version());
+    s_.source_file = kept(a_.source());
+    keep(a_.rig(), s_.rig);
+    keep(a_.place_hash(), s_.place_hash);
     for (const auto step : {&Loader::loadParts, &Loader::loadColors, &Loader::loadPalette,
                             &Loader::loadPoints, &Loader::loadRest, &Loader::loadMorphs,
                             &Loader::loadTextures, &Loader::loadBaseMaps, &Loader::loadLayers})
@@ -131,6 +127,18 @@ class Loader {
   size_t triangles() const { return s_.indices.size() / 3; }
   size_t points() const { return s_.point_vertex.size(); }
 
+  std::string_view kept(const flatbuffers::String* string) {
+    if (!string || string->size() == 0) return {};
+    const auto& name = s_.names.emplace_back(string->begin(), string->end());
+    return {name.data(), name.size()};
+  }
+
+  static void keep(const flatbuffers::Vector<uint8_t>* section, std::pmr::vector<std::byte>& out) {
+    if (!section) return;
+    const auto bytes = std::as_bytes(std::span(section->data(), section->size()));
+    out.assign(bytes.begin(), bytes.end());
+  }
+
   Status loadParts() {
     if (!a_.parts() || a_.parts()->size() == 0) return bad("it has no parts");
     if (a_.influences() == 0 || a_.influences() > 255) return bad("its number of influences is out of range");
@@ -142,8 +150,8 @@ class Loader {
           part->palette_count() > palette_size - part->palette_begin())
         return bad("a part's palette is out of range");
       Part out = {};
-      out.mesh = bytesOf(part->mesh());
-      out.material = bytesOf(part->material());
+      out.mesh = kept(part->mesh());
+      out.material = kept(part->material());
       out.vertex_begin = static_cast<uint32_t>(vertices());
       out.triangle_begin = static_cast<uint32_t>(triangles());
       out.source_vertex_begin = out.vertex_begin;
@@ -189,7 +197,7 @@ class Loader {
     if (!a_.palette() || a_.palette()->size() > kMaxPaletteEntries)
       return bad("its palette is missing or too large");
     for (const format::PaletteEntry* entry : *a_.palette()) {
-      PaletteEntry out = {bytesOf(entry->node()), entry->node_index(), {}};
+      PaletteEntry out = {kept(entry->node()), entry->node_index(), {}};
       if (!readAffine(entry->inverse_bind(), out.inverse_bind))
         return bad("an inverse bind matrix is not sound");
       s_.palette.push_back(out);
@@ -261,7 +269,7 @@ class Loader {
     std::vector<Int3> field(vertices()), deltas;
     std::vector<uint32_t> moved;
     for (const format::Morph* morph : *a_.morphs()) {
-      Morph out = {bytesOf(morph->name()),
+      Morph out = {kept(morph->name()),
                    morph->default_weight(),
                    morph->position_step(),
                    morph->normal_step(),
@@ -356,7 +364,7 @@ class Loader {
     for (size_t i = 0; a_.texture_sets() && i < a_.texture_sets()->size(); ++i) {
       const format::TextureSet* set = a_.texture_sets()->Get(static_cast<uint32_t>(i));
       TextureSet out = {};
-      out.name = bytesOf(set->name());
+      out.name = kept(set->name());
       if (Status status = loadTexture(set->normals(), TextureFormat::kBc5, out.normals); !status.ok())
         return status;
       if (Status status = loadTexture(set->shading(), TextureFormat::kBc4, out.shading); !status.ok())
@@ -431,7 +439,7 @@ class Loader {
           layer->curve() > static_cast<uint8_t>(Curve::kOat))
         return bad("a layer has an unknown measure or curve");
       Layer out = {};
-      out.name = bytesOf(layer->name());
+      out.name = kept(layer->name());
       out.measure = static_cast<Measure>(layer->measure());
       out.response = {static_cast<Curve>(layer->curve()), layer->lambda(), layer->beta(),
                       layer->stretch_lambda(), layer->stretch_beta()};
@@ -544,9 +552,9 @@ Status Asset::load(std::span<const std::byte> file, std::pmr::memory_resource* m
   if (Status status = checkHeader(file, header); !status.ok()) return status;
   std::unique_ptr<Storage, Free> storage(
       std::pmr::polymorphic_allocator<>(memory).new_object<Storage>(memory));
-  storage->payload.assign(file.begin() + sizeof header, file.end());
-  const auto* bytes = reinterpret_cast<const uint8_t*>(storage->payload.data());
-  flatbuffers::Verifier verifier(bytes, storage->payload.size());
+  const std::vector<std::byte> payload(file.begin() + sizeof header, file.end());  // aligned
+  const auto* bytes = reinterpret_cast<const uint8_t*>(payload.data());
+  flatbuffers::Verifier verifier(bytes, payload.size());
   if (!format::VerifyAssetBuffer(verifier)) return bad("its tables are not sound");
   const format::Asset& asset = *format::GetAsset(bytes);
   if (Status status = Loader(*storage, asset).load(); !status.ok()) return status;
@@ -574,10 +582,10 @@ Status Asset::load(std::span<const std::byte> file, std::pmr::memory_resource* m
            s.layers,
            s.drivers,
            s.texture_sets,
-           bytesOf(asset.tool_version()),
-           bytesOf(asset.source()),
-           bytesOf(asset.rig()),
-           bytesOf(asset.place_hash()),
+           s.tool_version,
+           s.source_file,
+           s.rig,
+           s.place_hash,
            s.place_points,
            asset.position_error(),
            asset.morph_error(),

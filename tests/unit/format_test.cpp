@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <string_view>
 #include <vector>
 
 #include "furrow/jobs.h"
@@ -59,6 +62,42 @@ TEST(StoredAssets, OfThePresentVersionGiveTheirNumbers) {
     SmoothJob{&view, triangle_q, point_q}.run(0, view.pointCount());
     for (const float q : point_q) EXPECT_NEAR(q, 0.49f, 1e-3f);
   }
+}
+
+// What an asset holds, by address.
+class Blocks : public std::pmr::memory_resource {
+ public:
+  std::map<void*, size_t> held;
+
+ private:
+  void* do_allocate(size_t bytes, size_t alignment) override {
+    void* block = std::pmr::new_delete_resource()->allocate(bytes, alignment);
+    std::memset(block, 0, bytes);  // what lay there before
+    held[block] = bytes;
+    return block;
+  }
+  void do_deallocate(void* block, size_t bytes, size_t alignment) override {
+    held.erase(block);
+    std::pmr::new_delete_resource()->deallocate(block, bytes, alignment);
+  }
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+};
+
+TEST(StoredAssets, KeepNothingOfTheFileBesideWhatWasReadFromIt) {
+  const std::vector<std::byte> file = readStored(kPresent + ".furrow");
+  const std::string_view identifier = "FRRW";  // of the payload
+  const auto has = [&](const char* bytes, size_t count) {
+    return std::string_view(bytes, count).find(identifier) != std::string_view::npos;
+  };
+  ASSERT_TRUE(has(reinterpret_cast<const char*>(file.data()), file.size()));
+  Blocks blocks;
+  {
+    Asset asset;
+    ASSERT_TRUE(asset.load(file, &blocks).ok());
+    EXPECT_FALSE(blocks.held.empty());
+    for (const auto& [block, bytes] : blocks.held) EXPECT_FALSE(has(static_cast<const char*>(block), bytes));
+  }
+  EXPECT_TRUE(blocks.held.empty());
 }
 
 TEST(StoredAssets, OfEveryOtherVersionAreRefused) {
