@@ -11,6 +11,7 @@
 #include "pipeline/import/import.h"
 #include "pipeline/pack/rig_section.h"
 #include "pipeline/scene/posing.h"
+#include "runtime/src/response_math.h"
 #include "sheets.h"
 
 namespace furrow::tests {
@@ -305,15 +306,28 @@ TEST(KnownAnswers, NothingDependsOnHowTheRangesAreSplit) {
             evaluate(asset.view(), {1.0f}, {}, 1.0f, 0.0f, 7).weights);
 }
 
+TEST(KnownAnswers, LogarithmAndPowerAreWithinTheirBounds) {
+  for (float x = 0x1p-40f; x < 0x1p40f; x *= 1.0007f) {
+    const double exact = std::log2(double{x});
+    EXPECT_NEAR(fastLog2(x), exact, 4e-7 * std::abs(exact)) << x;
+  }
+  for (float y = 0.0f; y <= 126.0f; y += 0.0013f) {
+    const double exact = std::exp2(double{y});
+    EXPECT_NEAR(fastExp2(y), exact, 4e-7 * exact) << y;
+  }
+  EXPECT_EQ(fastLog2(1.0f), 0.0f);
+  EXPECT_EQ(fastExp2(0.0f), 1.0f);
+}
+
 TEST(KnownAnswers, CollapsedAndNonFiniteInputGivesFiniteWeights) {
   const Asset asset = cookAsset(sceneOf(sheet(4), [](glm::dvec3) { return glm::dvec3(0.0); }),
                                 recipeOf({axisLayer({1, 0, 0})}));
   for (double w : evaluate(asset.view(), {1.0f}).weight) EXPECT_NEAR(w, 1.0, 1e-3);
   Affine broken;
-  broken.m[0] = std::numeric_limits<float>::quiet_NaN();
-  for (double alpha : evaluate(asset.view(), {0.0f}, broken).alpha) EXPECT_TRUE(std::isfinite(alpha));
-  broken.m[0] = std::numeric_limits<float>::infinity();
-  for (double alpha : evaluate(asset.view(), {0.0f}, broken).alpha) EXPECT_TRUE(std::isfinite(alpha));
+  for (float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    broken.m[0] = wrong;
+    for (double alpha : evaluate(asset.view(), {0.0f}, broken).alpha) EXPECT_EQ(alpha, 1.0) << wrong;
+  }
 }
 
 TEST(KnownAnswers, AMirroredPoseKeepsNormalsOutwardsAndBitangentsInPlace) {

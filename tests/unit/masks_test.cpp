@@ -92,7 +92,7 @@ TEST_F(MasksTest, EveryFaultHasItsMessage) {
     normals.pixels.insert(normals.pixels.end(), {static_cast<uint8_t>(bent ? 180 : 128), 128,
                                                  static_cast<uint8_t>(bent ? 244 : 255)});
   }
-  EXPECT_THAT(messageOf(normals, 0), HasSubstr("normal map"));
+  for (uint32_t channel : {0u, 1u, 2u}) EXPECT_THAT(messageOf(normals, channel), HasSubstr("normal map"));
   std::vector<std::filesystem::path> missing = {folder_ / "a.png"};
   EXPECT_THROW(readMasks(missing, 2), Error);
 }

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "pipeline/bake/perfect_hash.h"
+#include "runtime/src/place_hash_format.h"
 
 namespace furrow {
 namespace {
@@ -142,6 +143,17 @@ TEST(PlaceHash, ReadsASectionOfVersion1) {
   BuiltPlaceHash built = buildPlaceHash(places);
   ASSERT_EQ(built.section.size(), sizeof(section));
   EXPECT_EQ(std::memcmp(built.section.data(), section, sizeof(section)), 0);
+}
+
+TEST(PlaceHash, ASlotBeyondTheLastPlaceIsRefused) {
+  std::vector<std::byte> section = buildPlaceHash(randomPlaces(300, 8)).section;
+  place_hash::Header header;
+  std::memcpy(&header, section.data(), sizeof(header));
+  ASSERT_GT(header.slot_count, header.place_count);
+  for (const uint32_t slot : {header.place_count - 1, header.place_count}) {
+    std::memcpy(section.data() + header.spillBegin(), &slot, sizeof(slot));
+    EXPECT_EQ(PlaceHash().open(section).ok(), slot < header.place_count);
+  }
 }
 
 TEST(PlaceHash, EveryTruncationAndAnExtraByteAreRefused) {

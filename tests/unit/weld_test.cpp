@@ -222,6 +222,25 @@ TEST(Weld, ARestFromAnotherFilePartsWhatItMovesApart) {
   EXPECT_EQ(weld(scene, {}, offsets)->points, 2 * 49u);
 }
 
+// Also where positions must be equal to the bit, as exporters round displacements by themselves.
+TEST(Weld, DisplacementsMayDifferByRounding) {
+  SourceScene scene = twoSheets(0.0f);
+  scene.rig.morphs = {{"up", 0, 0, 0.0}};
+  const auto upBy = [&](float left, float right) {
+    const auto all = [](float z) {
+      MorphDelta delta;
+      for (uint32_t v = 0; v < 49; ++v) delta.vertices.push_back(v);
+      delta.positions.assign(49, {0.0f, 0.0f, z});
+      return delta;
+    };
+    scene.primitives[0].morphs = {all(left)};
+    scene.primitives[1].morphs = {all(right)};
+    return weld(scene, 0.0)->points;
+  };
+  EXPECT_EQ(upBy(0.3f, std::nextafter(0.3f, 1.0f)), 2 * 49u - 7u);
+  EXPECT_EQ(upBy(0.3f, 0.301f), 2 * 49u);
+}
+
 TEST(Weld, TheAssetIsAtRestWherePositionsWereJittered) {
   const Asset asset = cookAsset(twoSheets(2.4e-7f), recipeOf({axisLayer({1, 0, 0})}));
   EXPECT_EQ(asset.view().pointCount(), 2 * 49u - 7u);
