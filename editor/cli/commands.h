@@ -30,6 +30,11 @@ inline std::string requirePositive(const std::string& text) {
                                                                                  : text + " is not above 0";
 }
 
+// What is written appears whole or not at all, so not on standard output.
+inline std::string requireName(const std::string& text) {
+  return text == "-" ? "- is no name of a file: give one, or /dev/stdout for standard output" : std::string();
+}
+
 // Adds the subcommand to `app`; what it returns runs the command with the parsed options.
 Command addCook(CLI::App& app);
 Command addInfo(CLI::App& app);

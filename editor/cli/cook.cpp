@@ -145,14 +145,19 @@ Command addCook(CLI::App& app) {
       ->needs(sequence)
       ->check(requireFloat)
       ->check(CLI::Range(0.001, 100000.0));
-  CLI::Option* out = command->add_option("-o,--output", options->out, "The asset to write");
+  CLI::Option* out =
+      command->add_option("-o,--output", options->out, "The asset to write")->check(requireName);
   CLI::Option* recipe = command->add_option(
       "--recipe", options->recipe, "Recipe (JSON); without one, one layer worked out from the animation");
-  CLI::Option* init = command->add_option("--init", options->init,
-                                          "Write the recipe with all that was worked out, to be edited");
+  CLI::Option* init =
+      command
+          ->add_option("--init", options->init, "Write the recipe with all that was worked out, to be edited")
+          ->check(requireName);
   command->add_flag("--force", options->force, "Let --init replace a file")->needs(init);
-  command->add_option("--depfile", options->depfile, "Write a Make rule with every file that was read");
-  CLI::Option* report = command->add_option("--report", options->report, "Write what was done as JSON");
+  command->add_option("--depfile", options->depfile, "Write a Make rule with every file that was read")
+      ->check(requireName);
+  CLI::Option* report =
+      command->add_option("--report", options->report, "Write what was done as JSON")->check(requireName);
   CLI::Option* geometry =
       command
           ->add_option("--geometry", options->geometry, "draco (default) or raw, which loads without Draco")

@@ -127,7 +127,7 @@ Command addEval(CLI::App& app) {
   CLI::App* command = app.add_subcommand("eval", "Weights of every vertex in one pose, as CSV");
   const auto options = std::make_shared<Options>();
   command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
-  command->add_option("-o,--output", options->out, "CSV file (default: standard output)");
+  command->add_option("-o,--output", options->out, "CSV file (default: standard output)")->check(requireName);
   options->pose.add(*command);
   return [options] { run(*options); };
 }

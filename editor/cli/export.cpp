@@ -17,7 +17,7 @@ Command addExport(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
-  command->add_option("-o,--output", options->out, "The .glb file to write")->required();
+  command->add_option("-o,--output", options->out, "The .glb file to write")->required()->check(requireName);
   return [options] {
     using pipeline::Error;
     using pipeline::Exit;

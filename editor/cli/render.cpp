@@ -112,7 +112,7 @@ Command addRender(CLI::App& app) {
   for (const auto& [name, value] : kShadings) shadings.push_back(name);
   for (const auto& [name, value] : kViews) views.push_back(name);
   command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
-  command->add_option("-o,--output", options->out, "PNG file to write")->required();
+  command->add_option("-o,--output", options->out, "PNG file to write")->required()->check(requireName);
   command
       ->add_option("--shading", options->shading,
                    "How wrinkles are drawn (default: interpolated, on the cpu tier alpha)")

@@ -231,9 +231,9 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
 }
 
-// Finds the materials of an OBJ file, and changes in place what OpenMesh's reader cannot bear: continued
-// lines, corners without a vertex, material files (it would look for them in the working directory). Returns
-// the number of vertices that the file means to have.
+// Finds the materials of an OBJ file, and changes what OpenMesh's reader cannot bear: continued lines, UVs of
+// one number, corners without a vertex, material files (it would look for them in the working directory).
+// Returns the number of vertices that the file means to have.
 size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& changes) {
   for (size_t i = 0; i + 1 < bytes.size(); ++i) {
     if (bytes[i] != '\\') continue;
@@ -247,6 +247,8 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
   if (std::find(bytes.begin(), bytes.end(), '\n') == bytes.end())
     std::replace(bytes.begin(), bytes.end(), uint8_t{'\r'}, uint8_t{'\n'});
   char* text = reinterpret_cast<char*>(bytes.data());
+  constexpr std::string_view kZero = " 0";
+  std::vector<size_t> lone;  // where a UV's v is missing
   size_t vertices = 0;
   for (size_t begin = 0; begin < bytes.size();) {
     const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
@@ -258,7 +260,12 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
     if (word == "v") {
       ++vertices;
     } else if (word == "usemtl") {
-      changes.push_back({static_cast<std::streamoff>(begin), std::string(rest)});
+      changes.push_back({static_cast<std::streamoff>(begin + kZero.size() * lone.size()), std::string(rest)});
+    } else if (word == "vt") {
+      const std::string_view u = rest.substr(0, rest.find_first_of(" \t#"));
+      const std::string_view more = trimmed(rest.substr(u.size()));
+      if (!u.empty() && (more.empty() || more.front() == '#'))
+        lone.push_back(static_cast<size_t>(u.data() + u.size() - text));
     } else if (word == "mtllib") {
       text[line.data() - text] = '#';
     } else if (word == "f") {
@@ -268,11 +275,26 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
     }
     begin = end + 1;
   }
+  if (!lone.empty()) {
+    std::vector<uint8_t> whole;
+    whole.reserve(bytes.size() + kZero.size() * lone.size());
+    size_t copied = 0;
+    const auto copy = [&](size_t end) {
+      whole.insert(whole.end(), text + copied, text + end);
+      copied = end;
+    };
+    for (const size_t at : lone) {
+      copy(at);
+      whole.insert(whole.end(), kZero.begin(), kZero.end());
+    }
+    copy(bytes.size());
+    bytes = std::move(whole);
+  }
   return vertices;
 }
 
-// Changes in place what OpenMesh's reader cannot bear in OFF text: comments, counts behind the keyword or
-// without one, colours of faces.
+// Changes in place what OpenMesh's reader cannot bear in OFF text: comments, counts behind the keyword,
+// without one or incomplete, colours of faces.
 void prepareOff(std::vector<uint8_t>& bytes) {
   size_t start = 0;
   while (start < bytes.size() && !std::isalnum(bytes[start])) {
@@ -286,7 +308,8 @@ void prepareOff(std::vector<uint8_t>& bytes) {
   if (std::find(bytes.begin(), line_end, 'F') == line_end)
     bytes.insert(bytes.begin(), kKeyword.begin(), kKeyword.end());
   char* text = reinterpret_cast<char*>(bytes.data());
-  size_t lines = 0, vertices = 0;
+  size_t lines = 0, vertices = 0, rows = 0;
+  ptrdiff_t counts = 0;
   for (size_t begin = 0; begin < bytes.size();) {
     const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
     size_t end = found ? static_cast<size_t>(static_cast<const char*>(found) - text) : bytes.size();
@@ -304,16 +327,21 @@ void prepareOff(std::vector<uint8_t>& bytes) {
         end = static_cast<size_t>(line.data() - text) + space;
         text[end] = '\n';
       }
-    } else if (lines == 2) {
-      size_t faces = 0, edges = 0;
-      if (!(words >> vertices >> faces)) return;
-      if (!(words >> edges)) {
-        const std::string_view zero = " 0";
-        bytes.insert(bytes.begin() + static_cast<ptrdiff_t>(end), zero.begin(), zero.end());
+    } else if (counts < 3) {
+      // Of vertices, faces and edges, on one line or several.
+      const auto numbers = std::distance(std::istream_iterator<std::string>(words), {});
+      if (counts == 0) std::from_chars(line.data(), line.data() + line.size(), vertices);
+      if (counts == 2 && numbers > 1) {  // it is the first vertex, and the edges are left out
+        const std::string_view zero = "0\n";
+        bytes.insert(bytes.begin() + static_cast<ptrdiff_t>(begin), zero.begin(), zero.end());
         text = reinterpret_cast<char*>(bytes.data());
         end += zero.size();
+        counts = 3;
+        rows = 1;
+      } else {
+        counts += numbers;
       }
-    } else if (lines > 2 + vertices) {
+    } else if (++rows > vertices) {
       size_t corners = 0;
       words >> corners;
       std::string corner;

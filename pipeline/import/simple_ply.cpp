@@ -39,6 +39,7 @@ struct Property {
   const Type* type = nullptr;
   const Type* count = nullptr;  // of a list
   bool kept = false;
+  bool as_float = false;  // a whole number that becomes a float
 };
 
 struct Element {
@@ -103,7 +104,8 @@ class Simplifier {
         add("list " + std::string(counted.empty() ? property.count->count_name : counted) + " ");
       // By these names OpenMesh knows what MeshLab calls texture_u and texture_v.
       const size_t prefix = property.name.starts_with(kTexture) ? kTexture.size() : 0;
-      add(std::string(property.type->name) + " " + std::string(property.name.substr(prefix)) + "\n");
+      add(std::string(property.as_float ? "float" : property.type->name) + " " +
+          std::string(property.name.substr(prefix)) + "\n");
     }
   }
 
@@ -132,9 +134,8 @@ class Simplifier {
              one_of({"vertex_indices", "vertex_index"});
     if (element != "vertex" || property.count) return false;
     const bool number = property.type->count_name.empty();
-    if (one_of({"x", "y", "z"}) && !number) fail("its positions are integers");
-    if (one_of({"x", "y", "z", "nx", "ny", "nz", "u", "v", "s", "t", "texture_u", "texture_v"}))
-      return number;
+    if (one_of({"x", "y", "z"})) return true;
+    if (one_of({"nx", "ny", "nz", "u", "v", "s", "t", "texture_u", "texture_v"})) return number;
     return one_of({"red", "green", "blue", "alpha", "diffuse_red", "diffuse_green", "diffuse_blue"}) &&
            (property.type->name == "uchar" || property.type->name == "float");
   }
@@ -167,6 +168,8 @@ class Simplifier {
         property.type = &typeOf(type);
         property.name = word(words);
         property.kept = isKept(elements_.back().name, property);
+        property.as_float = property.kept && !property.type->count_name.empty() &&
+                            (property.name == "x" || property.name == "y" || property.name == "z");
         elements_.back().properties.push_back(property);
       } else if (!key.empty() && key != "comment" && key != "obj_info") {
         fail("its header has the unknown line \"" + std::string(key.substr(0, 40)) + "\"");
@@ -216,7 +219,11 @@ class Simplifier {
           face && property.count && property.name == "texcoord" && property.type->count_name.empty();
       for (size_t i = 0; i < values; ++i) {
         const std::string_view next = value(*property.type);
-        if (property.kept) copy(next);
+        if (property.as_float && format_ != "ascii") {
+          addFloat(whole(*property.type, next));
+        } else if (property.kept) {
+          copy(next);
+        }
         if (uvs) uvs_.push_back(real(next));
       }
     }
@@ -273,6 +280,12 @@ class Simplifier {
     if (format_ == "ascii") out_->push_back(' ');
   }
 
+  void addFloat(float value) {
+    const auto word = std::bit_cast<uint32_t>(value);
+    for (uint32_t i = 0; i < 4; ++i)
+      out_->push_back(static_cast<uint8_t>(word >> 8 * (format_ == "binary_little_endian" ? i : 3 - i)));
+  }
+
   size_t number(std::string_view count) const {
     size_t value = 0;
     if (format_ == "ascii") {
@@ -291,6 +304,13 @@ class Simplifier {
     }
     if (value.size() == sizeof(float)) return std::bit_cast<float>(static_cast<uint32_t>(bits(value)));
     return static_cast<float>(std::bit_cast<double>(bits(value)));
+  }
+
+  float whole(const Type& type, std::string_view value) const {
+    const size_t unused = 64 - 8 * value.size();
+    const uint64_t high = bits(value) << unused;
+    return type.name.starts_with('u') ? static_cast<float>(high >> unused)
+                                      : static_cast<float>(static_cast<int64_t>(high) >> unused);
   }
 
   uint64_t bits(std::string_view value) const {

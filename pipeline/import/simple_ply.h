@@ -13,7 +13,8 @@ struct SimplePly {
 };
 
 // The PLY file with nothing but what furrow uses: of the vertices position, normal, UV and colour, of the
-// faces their corners, triangle strips cut into faces; vertices first; values and encoding as they stand.
+// faces their corners, triangle strips cut into faces; vertices first; values and encoding as they stand, but
+// whole numbers of positions are floats.
 // OpenMesh's reader trusts the header and takes what it does not know, lists above all, for something else.
 // Throws std::runtime_error for a header that is damaged, a file that is cut off, and one without faces.
 SimplePly simplePly(const std::vector<uint8_t>& bytes);

@@ -670,6 +670,7 @@ TEST(Import, ObjAsToolsWriteIt) {
       {"weights.obj", ended(square, " 1.0\n") + "f 1 2 3 4\n"},
       {"colors.obj", ended(square, " 1 0 0.5\n") + "f 1 2 3 4\n"},
       {"depths.obj", square + "vt 0 0 0\nvt 1 0 0\nvt 1 1 0\nvt 0 1 0\nf 1/1 2/2 3/3 4/4\n"},
+      {"lines.obj", square + "vt 0\nvt 1 # end\r\nvt 1\nvt 0.5\nusemtl a\nf 1/1 2/2 3/3 4/4\n"},
       {"no_uvs.obj", square + "f 1/1/1 2/2/2 3/3/3 4/4/4\n"}};
   for (const auto& [name, text] : files) {
     SCOPED_TRACE(name);
@@ -678,6 +679,9 @@ TEST(Import, ObjAsToolsWriteIt) {
     EXPECT_EQ(count(scene).triangles, 2u);
     EXPECT_NEAR(area(scene), 1.0, 1e-9);
   }
+  const SourceScene lines = importText("lines.obj", files[9].second);
+  EXPECT_EQ(lines.primitives[0].uvs[1], glm::vec2(1, 1));
+  EXPECT_EQ(lines.materials.at(0).name, "a");
   EXPECT_EQ(importText("spaced.obj", square + "usemtl my skin\nf 1 2 3 4\n").materials[0].name, "my skin");
 }
 
@@ -787,6 +791,28 @@ TEST(Import, PlyStlAndOff) {
   EXPECT_EQ(big_endian.primitives[0].positions[2], glm::vec3(2, 4, 3));
   EXPECT_EQ(big_endian.primitives[0].uvs[2], glm::vec2(0.25, 0));
 
+  // Integer positions, of every width, and in text.
+  std::string whole =
+      big.substr(0, big.find("element vertex")) +
+      "element vertex 3\nproperty uchar x\nproperty short y\nproperty int z\nelement face 1\n" + list;
+  std::swap(whole, big);
+  for (const int v : {200, 100, 0}) {
+    append(static_cast<uint8_t>(v));
+    append(static_cast<int16_t>(-v));
+    append(int32_t{70000} * (v == 100));
+  }
+  append(uint8_t{3});
+  for (const int32_t i : {2, 1, 0}) append(i);
+  EXPECT_EQ(importText("whole.ply", big).primitives[0].positions[0], glm::vec3(200, -200, 0));
+  EXPECT_EQ(importText("whole.ply", big).primitives[0].positions[1], glm::vec3(100, -100, 70000));
+  EXPECT_EQ(importText("text.ply",
+                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty uchar y\n"
+                       "property char z\nelement face 1\n" +
+                           list + "0 0 0\n-70000 255 -1\n0 1 0\n3 0 1 2\n")
+                .primitives[0]
+                .positions[1],
+            glm::vec3(-70000, 255, -1));
+
   const std::string off = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3";
   EXPECT_EQ(count(importText("square.off", off + "\n")), (Counts{4, 2, 1, 0, 0, 0}));
   EXPECT_EQ(count(importText("unended.off", off)), (Counts{4, 2, 1, 0, 0, 0}));
@@ -799,6 +825,9 @@ TEST(Import, PlyStlAndOff) {
       {"comment_first.off", "# a square\n\n" + off},
       {"nameless.off", "# a square\n" + off.substr(4)},
       {"no_edges.off", "OFF\n4 2\n" + off.substr(10)},
+      {"count_lines.off", "OFF\n4 # vertices\n2\n\n0\n" + off.substr(10)},
+      {"two_lines.off", "OFF\n4\n2 0\n" + off.substr(10)},
+      {"two_counts.off", "OFF\r\n4\r\n2\r\n" + off.substr(10, 24) + "3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n"},
       {"face_colors.off", off.substr(0, off.find("3 0 1 2")) + "3 0 1 2 255 0 0\n3 0 2 3 0.1 0.2 0.3 1\n"},
       {"colors.off",
        "COFF\n4 2 0\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n1 1 0 255 0 0 255\n"
