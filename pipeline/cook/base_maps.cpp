@@ -53,8 +53,8 @@ SceneBaseMaps bakeBaseMaps(const SourceScene& scene, uint32_t longest, uint32_t 
         const std::span<const uint8_t> bytes = image.file.empty() ? image.bytes : read;
         const std::string key = keyOf(bytes, use, setting, longest);
         if (const auto found = known_images.find(key); found != known_images.end()) return found->second;
-        const std::string name = image.file.empty() ? image.name : image.file.string();
-        return known_images[key] = encoded(readByteImage(bytes, name));
+        return known_images[key] =
+                   encoded(image.file.empty() ? readByteImage(bytes, image.name) : readByteImage(image.file));
       } catch (const Error& error) {
         if (error.exit() == Exit::kEnvironment) throw;
         out.warnings.push_back("material \"" + material.name + "\": its " + use +

@@ -88,8 +88,15 @@ std::vector<std::filesystem::path> filesOf(const CookRequest& request) {
   const auto add = [&](const std::vector<std::filesystem::path>& more) {
     files.insert(files.end(), more.begin(), more.end());
   };
-  if (!request.source.base.empty()) add(importedFiles(request.source.base));
-  if (!request.source.pattern.empty()) add(sequenceFiles(request.source.pattern));
+  std::vector<std::filesystem::path> frames;
+  if (!request.source.pattern.empty()) frames = sequenceFiles(request.source.pattern);
+  if (!request.source.base.empty()) {
+    add(importedFiles(request.source.base));
+  } else if (!frames.empty()) {
+    add(importedFiles(frames.front()));
+    frames.erase(frames.begin());
+  }
+  add(frames);
   if (!request.recipe.empty()) {
     const Recipe recipe = readRecipe(request.recipe);
     files.push_back(recipe.file);

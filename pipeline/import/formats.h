@@ -30,6 +30,9 @@ struct Polygons {
 Polygons importPolygons(const std::filesystem::path& file);  // as import(), which tells the format
 Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes);
 
+// The material files of an OBJ file and their images, as far as they are there.
+std::vector<std::filesystem::path> objFiles(const std::filesystem::path& file, std::vector<uint8_t> bytes);
+
 SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes);
 
 }  // namespace furrow::pipeline

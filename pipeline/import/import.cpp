@@ -125,10 +125,12 @@ SourceScene importBytes(const std::filesystem::path& file, std::vector<uint8_t> 
 
 std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& file) {
   return guarded(file, [&] {
-    const std::vector<uint8_t> bytes = readModel(file);
-    std::vector<std::filesystem::path> files = {file};
-    if (!tellFormat(file, bytes))
-      for (std::filesystem::path& other : gltfFiles(file, bytes)) files.push_back(std::move(other));
+    std::vector<uint8_t> bytes = readModel(file);
+    const std::optional<MeshFormat> format = tellFormat(file, bytes);
+    std::vector<std::filesystem::path> files;
+    if (!format) files = gltfFiles(file, bytes);
+    if (format == MeshFormat::kObj) files = objFiles(file, std::move(bytes));
+    files.insert(files.begin(), file);
     return files;
   });
 }

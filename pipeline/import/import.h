@@ -1,7 +1,7 @@
 #pragma once
 
 // Reads a scene from any format furrow knows, told by content first, by extension second: glTF 2.0 (.gltf,
-// .glb) through tinygltf; OBJ, PLY, STL and OFF through OpenMesh.
+// .glb) through tinygltf; OBJ with its materials, PLY, STL and OFF through OpenMesh.
 
 #include <cstdint>
 #include <filesystem>

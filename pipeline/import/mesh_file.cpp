@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "pipeline/import/formats.h"
+#include "pipeline/import/obj_materials.h"
 #include "pipeline/import/simple_ply.h"
 
 // The readers register themselves from this header.
@@ -38,6 +39,13 @@ struct MaterialChange {
   std::string name;
 };
 
+// What OpenMesh's reader is not asked of an OBJ file.
+struct ObjNotes {
+  std::vector<MaterialChange> changes;
+  std::vector<std::string> libraries;  // what stands behind every "mtllib"
+  size_t vertices = 0;                 // that the file means to have
+};
+
 // Takes down what OpenMesh's readers find, corner by corner, without building a half-edge mesh, so that
 // non-manifold faces stay and UV and normal seams split vertices. An OBJ reader sets the UV and normal of a
 // face's corners just before it adds the face.
@@ -56,15 +64,9 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
     uint32_t next = kNoIndex;  // another corner at this place
   };
 
-  // `promised`: the least number of vertices that there must be when the first face comes. `corner_uvs`: u
-  // and v of the corners of all faces, or empty.
-  Recorder(std::streambuf& stream, size_t promised, std::vector<MaterialChange> changes,
-           std::span<const float> corner_uvs)
-      : has_uvs(!corner_uvs.empty()),
-        stream_(stream),
-        promised_(promised),
-        changes_(std::move(changes)),
-        corner_uvs_(corner_uvs) {}
+  // `corner_uvs`: u and v of the corners of all faces, or empty.
+  Recorder(std::streambuf& stream, ObjNotes obj, std::span<const float> corner_uvs)
+      : has_uvs(!corner_uvs.empty()), stream_(stream), obj_(std::move(obj)), corner_uvs_(corner_uvs) {}
 
   std::vector<glm::vec3> positions;
   std::vector<glm::vec4> colors;  // as long as positions if has_colors
@@ -75,7 +77,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   bool has_uvs = false, has_normals = false, has_colors = false;
   size_t faces_without_area = 0;
 
-  const std::vector<MaterialChange>& changes() const { return changes_; }
+  const ObjNotes& obj() const { return obj_; }
   uint32_t firstCorner(uint32_t place) const { return places_[place].first; }
 
   VertexHandle add_vertex(const OpenMesh::Vec3f& p) override {
@@ -107,8 +109,8 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   }
 
   FaceHandle add_face(const VHandles& vertices) override {
-    if (positions.size() < promised_)
-      fail(std::to_string(promised_ - positions.size()) + " vertices are not three numbers");
+    if (positions.size() < obj_.vertices)
+      fail(std::to_string(obj_.vertices - positions.size()) + " vertices are not three numbers");
     const std::span<const float> uvs = corner_uvs_.first(std::min(2 * vertices.size(), corner_uvs_.size()));
     corner_uvs_ = corner_uvs_.subspan(uvs.size());
     if (vertices.size() < 3) {
@@ -122,7 +124,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
     polygon_ends.push_back(static_cast<uint32_t>(polygon_corners.size()));
     // The stream stands behind the line that holds the face.
     const std::streamoff at = stream_.pubseekoff(0, std::ios::cur, std::ios::in);
-    while (change_ < changes_.size() && changes_[change_].offset < at) ++change_;
+    while (change_ < obj_.changes.size() && obj_.changes[change_].offset < at) ++change_;
     polygon_materials.push_back(static_cast<uint32_t>(change_));
     return FaceHandle(static_cast<int>(polygon_ends.size() - 1));
   }
@@ -194,8 +196,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   }
 
   std::streambuf& stream_;
-  size_t promised_;
-  std::vector<MaterialChange> changes_;
+  ObjNotes obj_;
   std::span<const float> corner_uvs_;  // of the faces to come
   std::vector<Place> places_;
   size_t change_ = 0;
@@ -231,10 +232,9 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
 }
 
-// Finds the materials of an OBJ file, and changes what OpenMesh's reader cannot bear: continued lines, UVs of
-// one number, corners without a vertex, material files (it would look for them in the working directory).
-// Returns the number of vertices that the file means to have.
-size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& changes) {
+// Takes its notes of an OBJ file, and changes what OpenMesh's reader cannot bear: continued lines, UVs of one
+// number, corners without a vertex, material files (it would look for them in the working directory).
+ObjNotes prepareObj(std::vector<uint8_t>& bytes) {
   for (size_t i = 0; i + 1 < bytes.size(); ++i) {
     if (bytes[i] != '\\') continue;
     const size_t line_feed = bytes[i + 1] == '\r' ? i + 2 : i + 1;
@@ -249,7 +249,7 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
   char* text = reinterpret_cast<char*>(bytes.data());
   constexpr std::string_view kZero = " 0";
   std::vector<size_t> lone;  // where a UV's v is missing
-  size_t vertices = 0;
+  ObjNotes notes;
   for (size_t begin = 0; begin < bytes.size();) {
     const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
     const size_t end = found ? static_cast<size_t>(static_cast<const char*>(found) - text) : bytes.size();
@@ -258,15 +258,17 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
     const std::string_view word = line.substr(0, word_end);
     const std::string_view rest = trimmed(line.substr(word_end));
     if (word == "v") {
-      ++vertices;
+      ++notes.vertices;
     } else if (word == "usemtl") {
-      changes.push_back({static_cast<std::streamoff>(begin + kZero.size() * lone.size()), std::string(rest)});
+      notes.changes.push_back(
+          {static_cast<std::streamoff>(begin + kZero.size() * lone.size()), std::string(rest)});
     } else if (word == "vt") {
       const std::string_view u = rest.substr(0, rest.find_first_of(" \t#"));
       const std::string_view more = trimmed(rest.substr(u.size()));
       if (!u.empty() && (more.empty() || more.front() == '#'))
         lone.push_back(static_cast<size_t>(u.data() + u.size() - text));
     } else if (word == "mtllib") {
+      notes.libraries.emplace_back(rest);
       text[line.data() - text] = '#';
     } else if (word == "f") {
       for (size_t i = 0; i < rest.size(); ++i)
@@ -290,7 +292,7 @@ size_t prepareObj(std::vector<uint8_t>& bytes, std::vector<MaterialChange>& chan
     copy(bytes.size());
     bytes = std::move(whole);
   }
-  return vertices;
+  return notes;
 }
 
 // Changes in place what OpenMesh's reader cannot bear in OFF text: comments, counts behind the keyword,
@@ -520,8 +522,8 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
 }
 
 Recorder record(MeshFormat format, std::vector<uint8_t>& bytes) {
-  std::vector<MaterialChange> changes;
-  const size_t promised = format == MeshFormat::kObj ? prepareObj(bytes, changes) : 0;
+  ObjNotes obj;
+  if (format == MeshFormat::kObj) obj = prepareObj(bytes);
   std::vector<float> corner_uvs;
   if (format == MeshFormat::kPly) {
     SimplePly ply = simplePly(bytes);
@@ -531,7 +533,7 @@ Recorder record(MeshFormat format, std::vector<uint8_t>& bytes) {
   if (format == MeshFormat::kOff) prepareOff(bytes);
   if (format == MeshFormat::kStlText) checkStl(bytes);
   MemoryBuffer buffer(bytes);
-  Recorder mesh(buffer, promised, std::move(changes), corner_uvs);
+  Recorder mesh(buffer, std::move(obj), corner_uvs);
   parse(format, buffer, mesh);
   if (mesh.polygon_ends.empty()) fail("it has no faces");
   return mesh;
@@ -549,24 +551,36 @@ Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes) {
   return out;
 }
 
+std::vector<std::filesystem::path> objFiles(const std::filesystem::path& file, std::vector<uint8_t> bytes) {
+  ObjMaterials obj = readObjMaterials(file, prepareObj(bytes).libraries);
+  for (SourceImage& image : obj.images)
+    if (std::filesystem::is_regular_file(image.file)) obj.files.push_back(std::move(image.file));
+  return obj.files;
+}
+
 SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes) {
   const Recorder mesh = record(format, bytes);
 
   SourceScene scene;
   scene.dependencies.push_back(file);
+  ObjMaterials obj = readObjMaterials(file, mesh.obj().libraries);
+  scene.images = std::move(obj.images);
+  scene.warnings = std::move(obj.warnings);
+  scene.dependencies.insert(scene.dependencies.end(), obj.files.begin(), obj.files.end());
   // Materials by name, in the order in which faces use them; primitive m shows material m, or there is one of
   // no material.
   std::map<std::string, uint32_t> known;
-  std::vector<uint32_t> material_of(mesh.changes().size() + 1, kNoIndex);
+  std::vector<uint32_t> material_of(mesh.obj().changes.size() + 1, kNoIndex);
   std::vector<std::vector<uint32_t>> polygons;  // of every primitive
   for (uint32_t p = 0; p < mesh.polygon_ends.size(); ++p) {
     const uint32_t change = mesh.polygon_materials[p];
     if (material_of[change] == kNoIndex) {
-      const std::string name = change == 0 ? std::string() : mesh.changes()[change - 1].name;
+      const std::string name = change == 0 ? std::string() : mesh.obj().changes[change - 1].name;
       const auto [entry, added] = known.try_emplace(name, static_cast<uint32_t>(polygons.size()));
       if (added) {
         polygons.emplace_back();
-        scene.materials.emplace_back().name = name;
+        scene.materials.push_back(obj.materials[name]);
+        scene.materials.back().name = name;
       }
       material_of[change] = entry->second;
     }

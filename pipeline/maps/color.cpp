@@ -153,6 +153,10 @@ EncodedTexture encodeNormal(ByteImage image, float scale, uint32_t longest, cons
   if (image.channels < 2)
     throw Error(Exit::kBadData, name, "a normal map needs red and green, and it has one channel",
                 "export it again");
+  bool grey = image.channels > 2;
+  for (size_t i = 0; grey && i < image.pixels.size(); i += image.channels)
+    grey = image.pixels[i] == image.pixels[i + 1] && image.pixels[i] == image.pixels[i + 2];
+  if (grey) throw Error(Exit::kBadData, name, "it is grey, as height maps are", "give a normal map");
   shrink(image, longest, [&](const ByteImage& fine) {
     return halved(fine, threads, [&](const std::array<const uint8_t*, 4>& texels, uint8_t* out) {
       for (uint32_t c = 0; c < fine.channels; ++c)

@@ -13,7 +13,7 @@ namespace furrow::pipeline {
 EncodedTexture encodeColor(ByteImage image, bool opacity, uint32_t longest, uint32_t threads = 1);
 
 // A tangent-space normal map to kBc5, x and y times `scale`; likewise halved. Throws Error (kBadData, `name`
-// names the image) if it is none: less than 2 channels.
+// names the image) if it is none: less than 2 channels, or grey all over.
 EncodedTexture encodeNormal(ByteImage image, float scale, uint32_t longest, const std::string& name,
                             uint32_t threads = 1);
 

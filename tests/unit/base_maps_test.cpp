@@ -277,6 +277,114 @@ TEST(BaseMaps, OpacityCountsWhereTheMaterialSaysSo) {
   EXPECT_EQ(mapsOf(opaque).opaque_from, 0.0f);
 }
 
+// ---- OBJ ----
+
+void writeBytes(const fs::path& file, const std::vector<uint8_t>& bytes) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+// A square of the material "skin", in a folder of its own.
+class ObjSquare {
+ public:
+  ObjSquare() { writeBytes(path("textures/skin color.png"), fileOf(quadrants(3), "png")); }
+
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  fs::path write(const std::string& libraries = "mtllib square.mtl\n") const {
+    return text("square.obj", libraries +
+                                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                                  "usemtl skin\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+  }
+  fs::path text(const std::string& name, const std::string& words) const {
+    writeBytes(path(name), {words.begin(), words.end()});
+    return path(name);
+  }
+
+ private:
+  test::ScratchFolder folder_;
+};
+
+TEST(ObjMaterials, ImagesAreFoundAsToolsNameThem) {
+  const ObjSquare square;
+  const fs::path obj = square.write();
+  writeBytes(square.path("textures/skin.tga"), fileOf(quadrants(3), "tga"));
+  writeBytes(square.path("near.png"), fileOf(quadrants(3), "png"));
+  for (const char* name :
+       {"textures/skin color.png", "textures\\skin color.png", "\"textures/skin color.png\"",
+        "-s 1 1 1 -o 0 0 textures/skin color.png", "-blendu on -mm 0 1 -imfchan m textures/skin color.png",
+        "C:\\project\\near.png", "/nowhere/near.png", "textures/skin.tga"}) {
+    square.text("square.mtl",
+                std::string("# a tool\r\nnewmtl skin\r\nKd 0 0 0\r\n  map_Kd ") + name + "  \r\n");
+    const Result result = cookFile(obj);
+    EXPECT_THAT(textureWarnings(result), IsEmpty()) << name;
+    expectQuadrants(result.asset, 0.012);
+    EXPECT_EQ(result.asset.view().parts[0].base_color.x, 1.0f);
+    EXPECT_THAT(result.cooked.dependencies, testing::SizeIs(3));
+    EXPECT_THAT(importedFiles(obj), testing::UnorderedElementsAreArray(result.cooked.dependencies));
+  }
+  // The first frame of a sequence shows its materials, too.
+  CookRequest request;
+  request.source.pattern = square.path("*.obj");
+  EXPECT_THAT(filesOf(request),
+              ElementsAre(obj, square.path("square.mtl"), square.path("textures/skin.tga")));
+}
+
+TEST(ObjMaterials, ColoursNormalsAndPlacementAreKept) {
+  const ObjSquare square;
+  std::array<Color, 4> tilted;
+  tilted.fill({204, 128, 230, 255});
+  writeBytes(square.path("bump.png"), fileOf(quadrants(3, tilted), "png"));
+  square.text(
+      "skin.mtl",
+      "newmtl other\nKd 1 0 0\nnewmtl skin\nPr 0.25\nmap_Kd -s 2 3 -o 0.25 0.5 textures/skin color.png\n"
+      "map_Bump -bm 0.5 bump.png\n");
+  const Result result = cookFile(square.write("mtllib lost.mtl skin.mtl\n"));
+  const BaseMaps maps = mapsOf(result);
+  EXPECT_EQ(result.asset.view().parts[0].roughness, 0.25f);
+  // Theirs puts (u, v) at (2 u + 0.25, 3 v + 0.5), from the bottom.
+  const std::array<float, 6> expected = {2, 0, 0, 3, 0.25f, -2.5f};
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(maps.color_uv[i], expected[i], 1e-6f) << i;
+  EXPECT_NEAR(texelAt(maps.normal, 0, 0, 1, 1).x * 2 - 1, 0.3 / std::sqrt(0.3 * 0.3 + 0.8 * 0.8), 0.01);
+  EXPECT_THAT(result.cooked.report.warnings, Contains(HasSubstr("lost.mtl: no such file")));
+
+  square.text("skin.mtl", "newmtl skin\nKd 0.5 0.25 0\nnorm textures/skin color.png\nbump bump.png\n");
+  const Result plain = cookFile(square.write("mtllib skin.mtl\n"));
+  EXPECT_EQ(plain.asset.view().parts[0].base_color.y, 0.25f);
+  EXPECT_EQ(mapsOf(plain).color.slices, 0u);
+  EXPECT_LT(texelAt(mapsOf(plain).normal, 0, 0, 1, 17).x, 0.4f);  // "norm" counts where both stand
+}
+
+TEST(ObjMaterials, WhatIsMissingOrDamagedCostsAWarning) {
+  const ObjSquare square;
+  writeBytes(square.path("grey.png"), fileOf(quadrants(3, {Color{9, 9, 9, 255}, {99, 99, 99, 255}}), "png"));
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"newmtl skin\nmap_Kd -s 1 nowhere.png\n", "nowhere.png: no such file"},
+      {"newmtl skin\nmap_Kd square.mtl\n", "square.mtl: it cannot be read as an image"},
+      {"newmtl skin\nmap_Kd textures\n", "textures: is a directory"},
+      {"newmtl skin\nbump grey.png\n", "grey.png: it is grey, as height maps are"}};
+  for (const auto& [mtl, fault] : files) {
+    square.text("square.mtl", mtl);
+    const Result result = cookFile(square.write());
+    EXPECT_THAT(textureWarnings(result),
+                ElementsAre(AllOf(HasSubstr("material \"skin\""), HasSubstr(fault))));
+    EXPECT_TRUE(result.asset.view().base_maps.empty());
+  }
+  for (const char* harmless :
+       {"map_Kd a.png\n", "newmtl\nmap_Kd\nnewmtl skin\nmap_Kd\nmap_Kd -s\nKd\nKd nan x 1e99\n",
+        "newmtl skin\nmap_Kd -s 1 1 1\nmap_Kd -bm -bm\nmap_Kd -\n", "", "\0\xff\n"}) {
+    square.text("square.mtl", harmless);
+    const Result result = cookFile(square.write());
+    EXPECT_THAT(textureWarnings(result), IsEmpty()) << harmless;
+  }
+  for (const char* libraries : {"mtllib lost.mtl\n", "mtllib textures\n", "mtllib C:\\lost.mtl\n"})
+    EXPECT_THAT(cookFile(square.write(libraries)).cooked.report.warnings,
+                Contains(HasSubstr("its materials are shown without colours")))
+        << libraries;
+  EXPECT_THAT(cookFile(square.write("mtllib\n")).cooked.report.warnings,
+              Not(Contains(HasSubstr("materials"))));
+}
+
 // OpenImageIO multiplies WebP's colours by their opacity.
 TEST(BaseMaps, WebpThatIsSeenThroughKeepsItsColours) {
   // 32 x 32 texels of (40, 160, 60, 127), lossless, by libwebp.

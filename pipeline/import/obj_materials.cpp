@@ -1,0 +1,176 @@
+#include "pipeline/import/obj_materials.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "pipeline/error.h"
+#include "pipeline/input_file.h"
+
+namespace furrow::pipeline {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n";
+constexpr float kLargestNumber = 1e6f;  // beyond which nobody scales or shifts an image
+
+std::string_view trimmed(std::string_view text) {
+  const size_t begin = text.find_first_not_of(kSpace);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
+}
+
+// The first word, which `text` loses.
+std::string_view word(std::string_view& text) {
+  text = trimmed(text);
+  const std::string_view first = text.substr(0, text.find_first_of(kSpace));
+  text = trimmed(text.substr(first.size()));
+  return first;
+}
+
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+// A number that is a whole word, which `text` loses.
+std::optional<float> number(std::string_view& text) {
+  std::string_view rest = text;
+  const std::string_view first = word(rest);
+  float value = 0.0f;
+  const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), value);
+  if (error != std::errc() || end != first.data() + first.size() || !(std::abs(value) <= kLargestNumber))
+    return std::nullopt;
+  text = rest;
+  return value;
+}
+
+bool isFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+// The file of that name in one of the folders: where the name leads, or right in them.
+std::filesystem::path locate(std::string_view name, const std::vector<std::filesystem::path>& folders) {
+  std::string portable(name);
+  if (portable.size() > 1 && portable.front() == '"' && portable.back() == '"')
+    portable = portable.substr(1, portable.size() - 2);
+  std::replace(portable.begin(), portable.end(), '\\', '/');
+  const std::filesystem::path path(portable);
+  for (const std::filesystem::path& folder : folders)
+    for (const std::filesystem::path& candidate : {folder / path, folder / path.filename()})
+      if (isFile(candidate)) return candidate;
+  return folders.front() / path;
+}
+
+class MtlReader {
+ public:
+  MtlReader(const std::filesystem::path& file, const std::filesystem::path& model, ObjMaterials& out)
+      : folders_{file.parent_path(), model.parent_path()}, out_(out) {}
+
+  void read(std::string_view text) {
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    while (!text.empty()) {
+      std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+      text.remove_prefix(std::min(line.size() + 1, text.size()));
+      const std::string key = lowerCase(word(line));
+      if (key == "newmtl") {
+        material_ = &(out_.materials[std::string(line)] = Material());
+      } else if (material_ && !line.empty()) {
+        readLine(key, line);
+      }
+    }
+  }
+
+ private:
+  void readLine(const std::string& key, std::string_view line) {
+    MaterialMaps& maps = material_->maps;
+    if (key == "kd") {
+      for (int c = 0; c < 3 && maps.color.image == kNoIndex; ++c)
+        if (const auto value = number(line)) material_->base_color[c] = std::clamp(*value, 0.0f, 1.0f);
+    } else if (key == "pr") {
+      if (const auto value = number(line)) material_->roughness = std::clamp(*value, 0.0f, 1.0f);
+    } else if (key == "map_kd") {
+      // Many exporters leave a grey or black Kd beside the image.
+      material_->base_color = glm::vec4(1.0f);
+      float unused = 1.0f;
+      maps.color = readMap(line, unused);
+    } else if (key == "norm" || ((key == "map_bump" || key == "bump") && maps.normal.image == kNoIndex)) {
+      maps.normal_scale = 1.0f;
+      maps.normal = readMap(line, maps.normal_scale);
+    }
+  }
+
+  // Options, and then a name, which may have spaces.
+  MaterialMap readMap(std::string_view line, float& bump) {
+    MaterialMap map;
+    float scale[3] = {1.0f, 1.0f, 1.0f}, offset[3] = {};
+    const auto numbers = [&](float* values) {
+      for (int i = 0; i < 3; ++i) {
+        const auto value = number(line);
+        if (!value) break;
+        values[i] = *value;
+      }
+    };
+    while (line.starts_with('-')) {
+      const std::string option = lowerCase(word(line));
+      float unused[3];
+      if (option == "-s") {
+        numbers(scale);
+      } else if (option == "-o") {
+        numbers(offset);
+      } else if (option == "-t" || option == "-mm") {
+        numbers(unused);
+      } else if (option == "-bm") {
+        bump = number(line).value_or(1.0f);
+      } else {
+        word(line);  // -blendu, -blendv, -boost, -cc, -clamp, -imfchan, -texres, -type
+      }
+    }
+    if (line.empty()) return map;
+    // Theirs count v from the bottom of the image, ours from the top.
+    map.uv = glm::mat3x2(scale[0], 0.0f, 0.0f, scale[1], offset[0], 1.0f - scale[1] - offset[1]);
+    const std::filesystem::path file = locate(line, folders_);
+    const auto known = std::ranges::find(out_.images, file, &SourceImage::file);
+    map.image = static_cast<uint32_t>(known - out_.images.begin());
+    if (known == out_.images.end()) out_.images.push_back({file.filename().string(), file, {}});
+    return map;
+  }
+
+  std::vector<std::filesystem::path> folders_;
+  ObjMaterials& out_;
+  Material* material_ = nullptr;
+};
+
+}  // namespace
+
+ObjMaterials readObjMaterials(const std::filesystem::path& model, const std::vector<std::string>& libraries) {
+  ObjMaterials out;
+  const auto read = [&](std::string_view name) {
+    const std::filesystem::path file = locate(name, {model.parent_path()});
+    if (std::ranges::find(out.files, file) != out.files.end()) return;
+    try {
+      const std::vector<uint8_t> bytes = readBytes(file);
+      out.files.push_back(file);
+      MtlReader(file, model, out).read({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    } catch (const Error& error) {
+      if (error.exit() == Exit::kEnvironment) throw;
+      out.warnings.push_back(std::string("its materials are shown without colours: ") + error.what());
+    }
+  };
+  for (const std::string& names : libraries) {
+    std::string_view rest = names;
+    const bool several =
+        !isFile(locate(rest, {model.parent_path()})) && lowerCase(rest).find(".mtl ") != std::string::npos;
+    while (!rest.empty()) read(several ? word(rest) : std::exchange(rest, {}));
+  }
+  return out;
+}
+
+}  // namespace furrow::pipeline
