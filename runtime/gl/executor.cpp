@@ -39,7 +39,7 @@ struct Executor::State {
   std::vector<GLuint> programs;  // an item
   // Of the raster form.
   std::array<GLuint, kBuffers> texels{};  // buffer textures
-  GLuint sums = 0, framebuffer = 0, vertex_array = 0;
+  GLuint sums[2] = {}, framebuffer = 0, vertex_array = 0;
   bool debug = false;
   bool some = false;                 // kInstances is not all of them
   uint32_t active_layers = 0xffffu;  // of the last upload
@@ -52,11 +52,13 @@ struct Executor::State {
   State& operator=(const State&) = delete;
   ~State() {
     if (lost) return;
+    std::sort(programs.begin(), programs.end());
+    programs.erase(std::unique(programs.begin(), programs.end()), programs.end());
     for (GLuint program : programs) glDeleteProgram(program);
     glDeleteBuffers(static_cast<GLsizei>(kBuffers), buffers.data());
     if (plan->options().form != Form::kRaster) return;
     glDeleteTextures(static_cast<GLsizei>(kBuffers), texels.data());
-    glDeleteTextures(1, &sums);
+    glDeleteTextures(2, sums);
     glDeleteFramebuffers(1, &framebuffer);
     glDeleteVertexArrays(1, &vertex_array);
   }
@@ -76,10 +78,11 @@ struct Executor::State {
   Status checkLimits(const Item& item) const;
   Status allocate(Buffer buffer);
   void makeTexels(const Binding& binding);
+  GLuint programOf(const Item& item, Status& status) const;
   Status makeSums();
   void dispatch(const Item& item, uint32_t rows) const;
   void draw(const Item& item) const;
-  void drawTo(uint32_t slice) const;
+  void drawTo(uint32_t slice, uint32_t image) const;
   void readPointQ(std::span<std::byte> bytes) const;
 };
 
@@ -152,6 +155,14 @@ void Executor::State::makeTexels(const Binding& binding) {
   glBindTexture(GL_TEXTURE_BUFFER, 0);
 }
 
+// Laplacian steps have one program between them: what they bind to its slots differs, not the slots.
+GLuint Executor::State::programOf(const Item& item, Status& status) const {
+  for (size_t i = 0; i < programs.size(); ++i)
+    if (const Item& other = plan->items()[i]; other.shader == item.shader && other.slice == item.slice)
+      return programs[i];
+  return makeProgram(item, status);
+}
+
 Status Executor::State::makeSums() {
   const SumsDesc& desc = plan->sums();
   glGenVertexArrays(1, &vertex_array);
@@ -160,20 +171,22 @@ Status Executor::State::makeSums() {
   if (desc.width > side || desc.height > side)
     return Status::error(StatusCode::kUnavailable, "the sums are %u x %u and this OpenGL allows %u",
                          desc.width, desc.height, side);
-  glGenTextures(1, &sums);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, sums);
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32F, static_cast<GLsizei>(desc.width),
-               static_cast<GLsizei>(desc.height), static_cast<GLsizei>(std::max(desc.slices, 1u)), 0, GL_RGBA,
-               GL_FLOAT, nullptr);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+  glGenTextures(static_cast<GLsizei>(desc.images), sums);
+  for (uint32_t image = 0; image < desc.images; ++image) {
+    glBindTexture(GL_TEXTURE_2D_ARRAY, sums[image]);
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32F, static_cast<GLsizei>(desc.width),
+                 static_cast<GLsizei>(desc.height), static_cast<GLsizei>(std::max(desc.slices, 1u)), 0,
+                 GL_RGBA, GL_FLOAT, nullptr);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    if (debug) glObjectLabel(GL_TEXTURE, sums[image], -1, "furrow sums");
+  }
   glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
   if (glGetError() == GL_OUT_OF_MEMORY)
-    return Status::error(StatusCode::kOutOfMemory, "no GPU memory for sums of %u x %u x %u", desc.width,
-                         desc.height, desc.slices);
-  if (debug) glObjectLabel(GL_TEXTURE, sums, -1, "furrow sums");
-  drawTo(0);
+    return Status::error(StatusCode::kOutOfMemory, "no GPU memory for %u x sums of %u x %u x %u", desc.images,
+                         desc.width, desc.height, desc.slices);
+  drawTo(0, 0);
   const GLenum complete = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   if (complete != GL_FRAMEBUFFER_COMPLETE)
@@ -181,9 +194,9 @@ Status Executor::State::makeSums() {
   return {};
 }
 
-void Executor::State::drawTo(uint32_t slice) const {
+void Executor::State::drawTo(uint32_t slice, uint32_t image) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, sums, 0, static_cast<GLint>(slice));
+  glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, sums[image], 0, static_cast<GLint>(slice));
 }
 
 void Executor::State::dispatch(const Item& item, uint32_t rows) const {
@@ -203,9 +216,10 @@ void Executor::State::draw(const Item& item) const {
       glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer(binding.buffer));
     } else {
       glActiveTexture(GL_TEXTURE0 + binding.slot);
-      const bool is_sums = binding.access == Access::kSums;
-      glBindTexture(is_sums ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_BUFFER,
-                    is_sums ? sums : texels[static_cast<size_t>(binding.buffer)]);
+      if (isTexels(binding.access))
+        glBindTexture(GL_TEXTURE_BUFFER, texels[static_cast<size_t>(binding.buffer)]);
+      else
+        glBindTexture(GL_TEXTURE_2D_ARRAY, sums[binding.access == Access::kOtherSums]);
     }
   }
   if (!item.captured.empty()) {
@@ -218,7 +232,7 @@ void Executor::State::draw(const Item& item) const {
       if (binding.access == Access::kCapture) glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, binding.slot, 0);
     return;
   }
-  drawTo(item.slice);
+  drawTo(item.slice, item.image);
   glViewport(0, 0, static_cast<GLsizei>(plan->sums().width), static_cast<GLsizei>(plan->sums().height));
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
@@ -233,7 +247,7 @@ void Executor::State::readPointQ(std::span<std::byte> bytes) const {
   const SumsDesc& desc = plan->sums();
   const size_t points = plan->asset().pointCount(), texels_a_slice = size_t{desc.width} * desc.height;
   std::vector<Float4> texels_read(texels_a_slice * desc.slices);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, sums);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, sums[0]);
   glGetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA, GL_FLOAT, texels_read.data());
   glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
   std::vector<float> q(points * plan->asset().layerCount(), 1.0f);
@@ -271,7 +285,7 @@ Status Executor::create(const FramePlan& plan, ResetStatus lost) {
     if (const Status status = state->checkLimits(item); !status.ok()) return status;
     Status status;
     const bool has_shader = item.kind == ItemKind::kDispatch || item.kind == ItemKind::kDraw;
-    state->programs.push_back(has_shader ? makeProgram(item, status) : 0);
+    state->programs.push_back(has_shader ? state->programOf(item, status) : 0);
     if (!status.ok()) return status;
     if (state->debug && has_shader) glObjectLabel(GL_PROGRAM, state->programs.back(), -1, item.label);
     for (const Binding& binding : item.bindings) state->makeTexels(binding);
@@ -325,7 +339,7 @@ Status Executor::run(std::span<const uint32_t> instances, const Recorded& record
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    s.drawTo(0);  // without a window there is no other framebuffer, and captures want one too
+    s.drawTo(0, 0);  // without a window there is no other framebuffer, and captures want one too
     glDisable(GL_PROGRAM_POINT_SIZE);
     glPointSize(1.0f);
   }
@@ -343,7 +357,7 @@ Status Executor::run(std::span<const uint32_t> instances, const Recorded& record
         s.draw(item);
         break;
       case ItemKind::kClear:
-        s.drawTo(item.slice);
+        s.drawTo(item.slice, item.image);
         glClearBufferfv(GL_COLOR, 0, kNothing);
         break;
       case ItemKind::kBarrier:  // OpenGL orders draws itself

@@ -41,7 +41,7 @@ void bindSlots(GLuint program, const Item& item) {
       const GLuint block = glGetUniformBlockIndex(program, binding.name);
       if (block != GL_INVALID_INDEX) glUniformBlockBinding(program, block, binding.slot);
     } else if (binding.access == Access::kFloats || binding.access == Access::kWords ||
-               binding.access == Access::kSums) {
+               binding.access == Access::kSums || binding.access == Access::kOtherSums) {
       glUniform1i(glGetUniformLocation(program, binding.name), static_cast<GLint>(binding.slot));
     }
   }

@@ -129,8 +129,6 @@ struct TieredFrame::State {
       cpu = std::make_unique<CpuTier>();
       return cpu->create(*asset, options);
     }
-    if (tier == Tier::kGpuRaster && options.laplace_steps > 0)
-      return Status::error(StatusCode::kUnavailable, "the gpu-raster tier makes no Laplacian steps");
     options.form = formOf(tier);
     plan = std::make_unique<FramePlan>(*asset, options);
     executor = std::make_unique<Executor>();

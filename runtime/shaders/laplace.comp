@@ -15,6 +15,7 @@ FURROW_MAIN {
   for (uint layer = 0u; layer < frame.layers; ++layer) {
     if (!isActive(layer)) continue;
     uint points = layer * frame.points;
+    float own = point_q[points + own_point];
     precise float sum = 0.0;
     precise float total = 0.0;
     for (uint i = ring_offsets[own_point]; i < ring_offsets[own_point + 1u]; ++i) {
@@ -26,14 +27,12 @@ FURROW_MAIN {
       float qa = point_q[points + a];
       float qb = point_q[points + b];
       float qc = point_q[points + c];
-      precise float others = own_point == a ? qb + qc : own_point == b ? qc + qa : qa + qb;
+      precise float others = 0.5 * (own_point == a ? qb + qc : own_point == b ? qc + qa : qa + qb);
+      precise float value = own + frame.laplace_rate * (others - own);
       float weight = float((ring_weights[i >> 1] >> (16u * (i & 1u))) & 0xffffu);
-      sum = sum + weight * (0.5 * others);
+      sum = sum + weight * value;
       total = total + weight;
     }
-    float q = point_q[points + own_point];
-    precise float mean = total > 0.0 ? sum / total : q;
-    precise float next = total > 0.0 ? q + frame.laplace_rate * (mean - q) : q;
-    smoothed_q[points + own_point] = next;
+    smoothed_q[points + own_point] = total > 0.0 ? sum / total : own;
   }
 }

@@ -126,7 +126,6 @@ void FramePlan::fillWords(Buffer id, const char* name, std::vector<uint32_t> wor
 
 FramePlan::FramePlan(const AssetView& asset, const PlanOptions& options) : asset_(&asset), options_(options) {
   words_.reserve(static_cast<size_t>(Buffer::kCount));
-  if (options.form == Form::kRaster) options_.laplace_steps = 0;
   if (options.form == Form::kClustered && (options.laplace_steps > 0 || !addClustered()))
     options_.form = Form::kStaged;
   if (options_.form != Form::kClustered) options_.instances = 1;

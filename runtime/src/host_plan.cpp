@@ -52,7 +52,8 @@ static_assert(static_cast<int>(Access::kUniform) == FURROW_ACCESS_UNIFORM &&
               static_cast<int>(Access::kWords) == FURROW_ACCESS_WORDS &&
               static_cast<int>(Access::kSums) == FURROW_ACCESS_SUMS &&
               static_cast<int>(Access::kIndices) == FURROW_ACCESS_INDICES &&
-              static_cast<int>(Access::kCapture) == FURROW_ACCESS_CAPTURE);
+              static_cast<int>(Access::kCapture) == FURROW_ACCESS_CAPTURE &&
+              static_cast<int>(Access::kOtherSums) == FURROW_ACCESS_OTHER_SUMS);
 
 constexpr uint32_t kBuffers = static_cast<uint32_t>(Buffer::kCount);
 
@@ -78,8 +79,6 @@ Status readOptions(const FurrowPlanDesc& desc, PlanOptions& out) {
   out.instances = std::max(desc.instances, 1u);
   out.laplace_steps = desc.laplace_steps;
   if (desc.laplace_steps > kMostLaplaceSteps) return invalid("desc.laplace_steps is above 1000");
-  if (desc.laplace_steps > 0 && desc.form == FURROW_FORM_RASTER)
-    return invalid("desc.laplace_steps: the raster form makes none");
   return {};
 }
 
@@ -199,6 +198,7 @@ int32_t furrow_plan_info(const FurrowPlan* plan, FurrowPlanInfo* info, FurrowSta
     out.sums_width = p.sums().width;
     out.sums_height = p.sums().height;
     out.sums_slices = p.sums().slices;
+    out.sums_images = p.sums().images;
     for (uint32_t i = 0; i < kBuffers; ++i) {
       const auto id = static_cast<Buffer>(i);
       if (p.buffer(id).lifetime == Lifetime::kPerInstance)
@@ -234,6 +234,7 @@ int32_t furrow_plan_item(const FurrowPlan* plan, uint32_t item, FurrowItemInfo* 
     out.first = from.first;
     out.count = from.count;
     out.slice = from.slice;
+    out.image = from.image;
     out.bindings = static_cast<uint32_t>(from.bindings.size());
     out.captured_count = static_cast<uint32_t>(from.captured.size());
     out.captured = from.captured.data();

@@ -1,6 +1,7 @@
 // The raster form of a frame plan.
 
 #include <algorithm>
+#include <array>
 
 #include "plan_bindings.h"
 #include "shaders/layout.h"
@@ -23,6 +24,15 @@ constexpr Binding kRasterMeasureBindings[] = {kFrameBinding,
                                               words(1, Buffer::kVertexPoint, "vertex_point"),
                                               floats(2, Buffer::kMeasured, "measured"),
                                               {0, Buffer::kSurfaceIndices, Access::kIndices, nullptr}};
+constexpr std::array<Binding, 5> laplaceBindings(Access from) {
+  return {kFrameBinding,
+          {0, Buffer::kCount, from, "sums"},
+          words(1, Buffer::kVertexPoint, "vertex_point"),
+          floats(2, Buffer::kMeasured, "measured"),
+          {0, Buffer::kSurfaceIndices, Access::kIndices, nullptr}};
+}
+// What adds up to the first image, and what to the second.
+constexpr std::array kLaplace = {laplaceBindings(Access::kOtherSums), laplaceBindings(Access::kSums)};
 constexpr Binding kSums = {2, Buffer::kCount, Access::kSums, "sums"};
 constexpr Binding kRasterEaseBindings[] = {kFrameBinding,
                                            words(0, Buffer::kVertexPoint, "vertex_point"),
@@ -92,7 +102,24 @@ void FramePlan::addRaster() {
               std::span(kPosedOutputs).first(outputs));
   }
   addSlices();
-  items_.push_back({.kind = ItemKind::kBarrier, .label = "furrow measure"});
+  const auto adding = [&](const char* label, Shader shader, uint32_t image,
+                          std::span<const Binding> bindings) {
+    for (uint32_t s = 0; s < slices_.size(); ++s) {
+      items_.push_back({.kind = ItemKind::kClear, .label = "furrow clear sums", .slice = s, .image = image});
+      items_.push_back({.kind = ItemKind::kDraw,
+                        .label = label,
+                        .shader = shader,
+                        .first = slices_[s].first,
+                        .count = slices_[s].count,
+                        .slice = s,
+                        .image = image,
+                        .bindings = bindings});
+    }
+    items_.push_back({.kind = ItemKind::kBarrier, .label = label});
+  };
+  uint32_t steps = options_.laplace_steps;
+  adding("furrow measure", Shader::kRasterMeasure, steps % 2, kRasterMeasureBindings);
+  while (steps-- > 0) adding("furrow laplace", Shader::kRasterLaplace, steps % 2, kLaplace[steps % 2]);
   if (options_.ease) {
     add(Buffer::kNextState, "furrow next state", Lifetime::kPerInstance,
         uint64_t{vertices} * stride * sizeof(float));
@@ -115,7 +142,11 @@ void FramePlan::addSlices() {
     for (uint32_t t = 0; t < asset.triangleCount(); ++t)
       if (measuring[t] >> l & 1u) triangles.push_back(t);
     if (done >> l & 1u || triangles.empty()) continue;
-    Slice slice = {{kAbsent, kAbsent, kAbsent}, static_cast<uint32_t>(measured.size()), 3};
+    Slice slice = {{kAbsent, kAbsent, kAbsent},
+                   static_cast<uint32_t>(measured.size()),
+                   3,
+                   static_cast<uint32_t>(indices.size()),
+                   static_cast<uint32_t>(3 * triangles.size())};
     uint32_t count = 0;
     for (uint32_t other = l; other < asset.layerCount() && count < gpu::kLayersASlice; ++other) {
       const bool same = std::all_of(measuring.begin(), measuring.end(),
@@ -125,15 +156,6 @@ void FramePlan::addSlices() {
       slice.layers[count++] = other;
       slice.record_words += coefficientCount(asset.layers[other].measure);
     }
-    const auto index = static_cast<uint32_t>(slices_.size());
-    items_.push_back({.kind = ItemKind::kClear, .label = "furrow clear sums", .slice = index});
-    items_.push_back({.kind = ItemKind::kDraw,
-                      .label = "furrow measure",
-                      .shader = Shader::kRasterMeasure,
-                      .first = static_cast<uint32_t>(indices.size()),
-                      .count = static_cast<uint32_t>(3 * triangles.size()),
-                      .slice = index,
-                      .bindings = kRasterMeasureBindings});
     for (uint32_t t : triangles) {
       for (size_t c = 0; c < 3; ++c) {
         indices.push_back(asset.surface_indices[3 * size_t{t} + c]);
@@ -151,7 +173,7 @@ void FramePlan::addSlices() {
   fillWords(Buffer::kSurfaceIndices, "furrow measured corners", std::move(indices));
   fillWords(Buffer::kMeasured, "furrow measured triangles", std::move(measured));
   sums_ = {gpu::kSumsWidth, (asset.pointCount() + gpu::kSumsWidth - 1) / gpu::kSumsWidth,
-           static_cast<uint32_t>(slices_.size())};
+           static_cast<uint32_t>(slices_.size()), options_.laplace_steps > 0 ? 2u : 1u};
 }
 
 }  // namespace furrow

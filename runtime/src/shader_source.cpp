@@ -25,6 +25,7 @@ constexpr ShaderSource kSources[] = {
     FURROW_COMPUTE(kRespond),
     {.vertex = kRasterPose},
     {.vertex = kRasterCorner, .geometry = kRasterTriangle, .fragment = kRasterPixel},
+    {.vertex = kRasterCornerQ, .geometry = kRasterLaplace, .fragment = kRasterPixel},
     {.vertex = kRasterEase},
     {.vertex = kRasterWeight},
     {.vertex = kRasterKeep},

@@ -52,10 +52,11 @@ void LaplaceJob::run(uint32_t begin, uint32_t end) const {
       const uint32_t p[3] = {vertex_point[corner[0]], vertex_point[corner[1]], vertex_point[corner[2]]};
       const int own = p[0] == point ? 0 : p[1] == point ? 1 : 2;
       const float weight = static_cast<float>(asset->ring_weights[i]);
-      sum = sum + weight * (0.5f * (q[p[(own + 1) % 3]] + q[p[(own + 2) % 3]]));
+      const float others = 0.5f * (q[p[(own + 1) % 3]] + q[p[(own + 2) % 3]]);
+      sum = sum + weight * (q[point] + rate * (others - q[point]));
       total = total + weight;
     }
-    out[point] = total > 0.0f ? q[point] + rate * (sum / total - q[point]) : q[point];
+    out[point] = total > 0.0f ? sum / total : q[point];
   }
 }
 

@@ -1140,7 +1140,7 @@ static void testPlanOptions(FurrowContext* context, File file, FurrowAsset* asse
   FurrowAsset* other;
   float *palette, constants[1024];
   const float *before, *after;
-  uint32_t i, measured = 0;
+  uint32_t i, measured = 0, cleared[2] = {0, 0};
   size_t count, same;
   CHECK_OK(furrow_asset_info(asset, &info, &status));
 
@@ -1161,8 +1161,24 @@ static void testPlanOptions(FurrowContext* context, File file, FurrowAsset* asse
                 furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
   frame.laplace_rate = 0.0f, frame.laplace_steps = 0;
   furrow_plan_release(plan);
-  desc.form = FURROW_FORM_RASTER;
-  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
+  desc.form = FURROW_FORM_RASTER, desc.laplace_steps = 0;
+  CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+  CHECK_OK(furrow_plan_info(plan, &about, &status));
+  CHECK(about.sums_images == 1);
+  i = about.items;
+  furrow_plan_release(plan);
+  desc.laplace_steps = 3;
+  CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+  CHECK_OK(furrow_plan_info(plan, &about, &status));
+  CHECK(about.form == FURROW_FORM_RASTER && about.sums_images == 2);
+  CHECK(about.items == i + 3 * (2 * about.sums_slices + 1));
+  for (i = 0; i < about.items; ++i) { /* from image to image, at last to the first */
+    FurrowItemInfo item = {.size = sizeof item};
+    CHECK_OK(furrow_plan_item(plan, i, &item, &status));
+    cleared[item.image] += item.kind == FURROW_ITEM_CLEAR;
+  }
+  CHECK(cleared[0] == 2 * about.sums_slices && cleared[1] == 2 * about.sums_slices);
+  furrow_plan_release(plan);
   desc.form = FURROW_FORM_STAGED, desc.laplace_steps = 100000;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
   desc.laplace_steps = 0;

@@ -77,22 +77,26 @@ std::vector<preview::PosedFrame> posesOf(const preview::LoadedAsset& loaded) {
   return frames;
 }
 
+constexpr uint32_t kLaplaceSteps = 3;
+
 struct Weighed {
   std::vector<Float3> positions;
   std::vector<int16_t> weights;
 };
 
-Weighed staged(const AssetView& view, const FrameInput& input) {
+Weighed staged(const AssetView& view, const FrameInput& input, uint32_t laplace_steps = 0) {
   Weighed out{std::vector<Float3>(view.vertexCount()),
               std::vector<int16_t>(size_t{view.vertexCount()} * view.weightStride())};
   DeformJob deform{&view, input.palette, input.morph_weights, out.positions, {}, {}};
   deform.simd = Simd::kPortable;
   EXPECT_TRUE(deform.validate().ok());
   deform.run(0, view.vertexCount());
-  std::vector<float> triangle_q(view.triangleCount()), point_q(view.pointCount());
+  std::vector<float> triangle_q(view.triangleCount()), point_q(view.pointCount()), other_q(point_q.size());
   for (uint32_t l = 0; l < view.layerCount(); ++l) {
     CompressJob{&view, l, out.positions, input.scale, triangle_q}.run(0, view.triangleCount());
     SmoothJob{&view, triangle_q, point_q}.run(0, view.pointCount());
+    for (uint32_t step = 0; step < laplace_steps; ++step, std::swap(point_q, other_q))
+      LaplaceJob{&view, triangle_q, point_q, input.laplace_rate, other_q}.run(0, view.pointCount());
     RespondJob{&view, l, view.layers[l].response, input.region_weights[l], point_q, out.weights}.run(
         0, view.vertexCount());
   }
@@ -149,12 +153,14 @@ class CorpusForms : public GlTest, public testing::WithParamInterface<const char
   }
 
   void expectOnGpu(const AssetView& view, const std::vector<preview::PosedFrame>& frames,
-                   const std::vector<Weighed>& expected) const {
+                   const std::vector<Weighed>& expected, uint32_t laplace_steps = 0) const {
     for (Form form : {Form::kClustered, Form::kStaged, Form::kRaster}) {
       if (form != Form::kRaster && !support_.gpu) continue;
+      if (form == Form::kClustered && laplace_steps > 0) continue;  // the staged one
       SCOPED_TRACE(static_cast<int>(form));
       const bool by_host = form == Form::kRaster;
-      const FramePlan plan(view, {.form = form, .posed_by_host = by_host, .normals = false});
+      const FramePlan plan(
+          view, {.form = form, .posed_by_host = by_host, .normals = false, .laplace_steps = laplace_steps});
       gl::Executor executor;
       const Status status = executor.create(plan);
       ASSERT_TRUE(status.ok()) << status.message;
@@ -185,10 +191,11 @@ TEST_P(CorpusForms, GiveTheSameWeights) {
     Clusters clusters;
     ASSERT_TRUE(clusters.build(view).ok());
     const std::vector<preview::PosedFrame> frames = posesOf(loaded);
-    std::vector<Weighed> expected;
+    std::vector<Weighed> expected, smoothed;
     for (const preview::PosedFrame& frame : frames) {
       const Weighed& reference = expected.emplace_back(staged(view, frame.input));
       expectOneWeightAPoint(view, reference.weights);
+      smoothed.push_back(staged(view, frame.input, kLaplaceSteps));
       for (Simd simd : {Simd::kPortable, Simd::kSse4, Simd::kAvx2, Simd::kAvx512, Simd::kNeon}) {
         if (!simdAvailable(simd)) continue;
         for (uint32_t threads : {1u, 3u})
@@ -197,6 +204,7 @@ TEST_P(CorpusForms, GiveTheSameWeights) {
       }
     }
     expectOnGpu(view, frames, expected);
+    expectOnGpu(view, frames, smoothed, kLaplaceSteps);
     ++files;
     moved += std::any_of(expected.back().weights.begin(), expected.back().weights.end(),
                          [](int16_t w) { return std::abs(w) > 3000; });

@@ -55,7 +55,7 @@ class ExecutorTest : public GlTest, public testing::WithParamInterface<Form> {
   }
 
   std::vector<int16_t> cpuWeights(const AssetView& asset, const std::vector<Float3>& positions,
-                                  uint32_t laplace_steps) const {
+                                  uint32_t laplace_steps, std::vector<float>* q = nullptr) const {
     std::vector<float> triangle_q(asset.triangleCount()), point_q(asset.pointCount()),
         smoothed(point_q.size());
     std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
@@ -68,6 +68,7 @@ class ExecutorTest : public GlTest, public testing::WithParamInterface<Form> {
       }
       RespondJob{&asset, layer, asset.layers[layer].response, 0.0f, point_q, weights}.run(
           0, asset.vertexCount());
+      if (q) q->insert(q->end(), point_q.begin(), point_q.end());
     }
     return weights;
   }
@@ -290,14 +291,18 @@ TEST_P(LaplaceTest, StepsAsOnTheCpu) {
   frame_.laplace_rate = 0.7f;
   const std::vector<int16_t> without = cpuWeights(posed());
   for (uint32_t steps : {1u, 2u, 5u}) {
-    const FramePlan plan(asset, {.laplace_steps = steps});
-    ASSERT_EQ(plan.options().form, Form::kStaged);
+    SCOPED_TRACE(steps);
+    const FramePlan plan(asset, {.form = GetParam(), .laplace_steps = steps});
+    ASSERT_EQ(plan.options().form, GetParam() == Form::kRaster ? Form::kRaster : Form::kStaged);
     gl::Executor executor;
     const Status status = executor.create(plan);
     ASSERT_TRUE(status.ok()) << status.message;
     ASSERT_TRUE(executor.upload(frame_).ok());
     ASSERT_TRUE(executor.run().ok());
-    const auto expected = cpuWeights(posed(), steps);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    std::vector<float> q;
+    const auto expected = cpuWeights(asset, posed(), steps, &q);
+    EXPECT_EQ(read<float>(executor, Buffer::kPointQ, q.size()), q);
     expectSameWeights(read<int16_t>(executor, Buffer::kWeights, expected.size()), expected);
     EXPECT_NE(expected, without);
   }
@@ -371,7 +376,9 @@ TEST_P(ExecutorTest, CanBeMadeAgain) {
 
 INSTANTIATE_TEST_SUITE_P(Clustered, ExecutorTest, testing::Values(Form::kClustered));
 INSTANTIATE_TEST_SUITE_P(Clustered, ClusteredTest, testing::Values(Form::kClustered));
+INSTANTIATE_TEST_SUITE_P(Clustered, LaplaceTest, testing::Values(Form::kClustered));
 INSTANTIATE_TEST_SUITE_P(Staged, LaplaceTest, testing::Values(Form::kStaged));
+INSTANTIATE_TEST_SUITE_P(Raster, LaplaceTest, testing::Values(Form::kRaster));
 INSTANTIATE_TEST_SUITE_P(Staged, ExecutorTest, testing::Values(Form::kStaged));
 INSTANTIATE_TEST_SUITE_P(Raster, ExecutorTest, testing::Values(Form::kRaster));
 

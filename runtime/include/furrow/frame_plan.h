@@ -69,9 +69,10 @@ struct BufferDesc {
   std::span<const std::byte> initial;  // empty: the host or the GPU fills it
 };
 
-// The raster form's target: an array texture of RGBA32F, nearest filtering, one level. slices 0: none.
+// The raster form's targets: one array texture of RGBA32F, nearest filtering, one level; with Laplacian steps
+// two of them. images 0: none.
 struct SumsDesc {
-  uint32_t width = 0, height = 0, slices = 0;
+  uint32_t width = 0, height = 0, slices = 0, images = 0;
 };
 
 enum class Shader : uint8_t {
@@ -83,6 +84,7 @@ enum class Shader : uint8_t {
   kRespond,
   kRasterDeform,
   kRasterMeasure,
+  kRasterLaplace,
   kRasterEase,
   kRasterRespond,
   kRasterKeep,
@@ -91,18 +93,19 @@ enum class Shader : uint8_t {
 
 // How an item sees a buffer.
 enum class Access : uint8_t {
-  kUniform,  // std140 uniform buffer, at `slot` of these
-  kStorage,  // storage buffer, at `slot` of these
-  kFloats,   // buffer texture of R32F, at texture unit `slot`
-  kWords,    // buffer texture of R32UI, at texture unit `slot`
-  kSums,     // not a buffer: the sums as an array texture, at texture unit `slot`
-  kIndices,  // index buffer of 32-bit indices
-  kCapture,  // transform feedback buffer `slot`
+  kUniform,    // std140 uniform buffer, at `slot` of these
+  kStorage,    // storage buffer, at `slot` of these
+  kFloats,     // buffer texture of R32F, at texture unit `slot`
+  kWords,      // buffer texture of R32UI, at texture unit `slot`
+  kSums,       // not a buffer: the first image of the sums as an array texture, at texture unit `slot`
+  kIndices,    // index buffer of 32-bit indices
+  kCapture,    // transform feedback buffer `slot`
+  kOtherSums,  // as kSums, the second image
 };
 
 struct Binding {
   uint32_t slot;
-  Buffer buffer;  // kCount for kSums
+  Buffer buffer;  // kCount for kSums and kOtherSums
   Access access;
   const char* name;  // of the uniform, sampler or block in the shader; null for kIndices and kCapture
 };
@@ -112,8 +115,9 @@ enum class ItemKind : uint8_t {
               // number of kInstances to run, where the host may put fewer than all
   kDraw,      // draw `count` points numbered from 0 with the rasteriser off, capturing `captured`; or, where
               // there are indices, `count` corners of triangles from index `first`, without depth, blended
-              // ONE, ONE into slice `slice` of the sums, which the shader's uniform `item` names too
-  kClear,     // set slice `slice` of the sums to 0
+              // ONE, ONE into slice `slice` of image `image` of the sums; the shader's uniform `item` is the
+              // slice
+  kClear,     // set that slice to 0
   kBarrier,   // what was written before is read after
 };
 
@@ -123,7 +127,7 @@ struct Item {
   Shader shader = Shader::kCount;
   uint32_t groups[2] = {};
   uint32_t first = 0, count = 0;
-  uint32_t slice = 0;
+  uint32_t slice = 0, image = 0;
   std::span<const Binding> bindings = {};
   // What transform feedback captures: one output a kCapture binding, or all outputs side by side into the
   // only one.
@@ -138,7 +142,7 @@ struct PlanOptions {
   bool ease = false;           // attack and release of weights
   bool point_q = false;        // the clustered form writes kPointQ too, for tools
   uint32_t instances = 1;      // >= 1; more than one in the clustered form alone
-  uint32_t laplace_steps = 0;  // extra smoothing steps over the points, in the staged form alone
+  uint32_t laplace_steps = 0;  // extra smoothing steps over the points; a clustered plan becomes staged
 };
 
 // Everything that changes from frame to frame, of one instance.
@@ -164,8 +168,8 @@ class FramePlan {
   FramePlan(const AssetView& asset, const PlanOptions& options);
 
   const AssetView& asset() const { return *asset_; }
-  // As asked for, but staged and of one instance where clusters cannot hold the asset or there are Laplacian
-  // steps, of one instance in the forms that have no more, and without Laplacian steps in the raster form.
+  // As asked for, but staged where clusters cannot hold the asset or there are Laplacian steps, and of one
+  // instance in the forms that have no more.
   const PlanOptions& options() const { return options_; }
   const BufferDesc& buffer(Buffer id) const { return buffers_[static_cast<size_t>(id)]; }
   const SumsDesc& sums() const { return sums_; }
@@ -179,11 +183,12 @@ class FramePlan {
   // The bytes of kMorphWeights likewise: weight * position_step, weight * normal_step a morph.
   void writeMorphWeights(const FrameInput& input, std::span<std::byte> out) const;
 
-  // A slice of the sums: up to three layers that measure the same triangles. Its clear and its draw may be
-  // left out where none of them is in FrameInput::active_layers.
+  // A slice of the sums: up to three layers that measure the same triangles. Its clears and draws may be left
+  // out where none of them is in FrameInput::active_layers.
   struct Slice {
-    uint32_t layers[3];  // kAbsent: none
-    uint32_t first_word, record_words;
+    uint32_t layers[3];                 // kAbsent: none
+    uint32_t first_word, record_words;  // in kMeasured, and of a triangle there
+    uint32_t first, count;              // of its triangles' corners in kSurfaceIndices
   };
   std::span<const Slice> slices() const { return slices_; }
 

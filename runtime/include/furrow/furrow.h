@@ -471,8 +471,7 @@ typedef struct FurrowPlanDesc {
   uint32_t skinning;
   int32_t ease;        // attack and release of weights; set FurrowFrame.reset in the first frame
   uint32_t instances;  // 0: 1; more in the clustered form alone
-  // Extra smoothing, as FurrowFrame.laplace_steps then says again; makes the plan staged. Not in the raster
-  // form.
+  // Extra smoothing, as FurrowFrame.laplace_steps then says again; makes a clustered plan staged.
   uint32_t laplace_steps;
   // Of this asset; its recaptured rest, if it has one, takes the place of the asset's. Read during the call
   // only. NULL: none.
@@ -491,6 +490,7 @@ typedef struct FurrowPlanInfo {
   uint32_t sums_width, sums_height, sums_slices;  // raster form: an array texture of RGBA32F; else 0
   uint64_t asset_bytes;                           // GPU memory of the plan's buffers, once an asset
   uint64_t instance_bytes;                        // for each instance
+  uint32_t sums_images;                           // of these array textures: 2 with Laplacian steps, else 1
 } FurrowPlanInfo;
 FURROW_API int32_t furrow_plan_info(const FurrowPlan* plan, FurrowPlanInfo* info, FurrowStatus* status);
 
@@ -534,25 +534,27 @@ typedef struct FurrowItemInfo {
   uint32_t bindings;
   uint32_t captured_count;
   const char* const* captured;
+  uint32_t image;  // raster form: which of the sums' images it clears or draws in
 } FurrowItemInfo;
 FURROW_API int32_t furrow_plan_item(const FurrowPlan* plan, uint32_t item, FurrowItemInfo* info,
                                     FurrowStatus* status);
 
 // How an item sees a buffer.
 enum {
-  FURROW_ACCESS_UNIFORM = 0,  // std140 uniform buffer, at `slot` of these
-  FURROW_ACCESS_STORAGE = 1,  // storage buffer, at `slot` of these
-  FURROW_ACCESS_FLOATS = 2,   // buffer texture of R32F, at texture unit `slot`
-  FURROW_ACCESS_WORDS = 3,    // buffer texture of R32UI, at texture unit `slot`
-  FURROW_ACCESS_SUMS = 4,     // not a buffer: the sums, at texture unit `slot`
-  FURROW_ACCESS_INDICES = 5,  // index buffer of 32 bits
-  FURROW_ACCESS_CAPTURE = 6   // transform feedback buffer `slot`
+  FURROW_ACCESS_UNIFORM = 0,    // std140 uniform buffer, at `slot` of these
+  FURROW_ACCESS_STORAGE = 1,    // storage buffer, at `slot` of these
+  FURROW_ACCESS_FLOATS = 2,     // buffer texture of R32F, at texture unit `slot`
+  FURROW_ACCESS_WORDS = 3,      // buffer texture of R32UI, at texture unit `slot`
+  FURROW_ACCESS_SUMS = 4,       // not a buffer: the first image of the sums, at texture unit `slot`
+  FURROW_ACCESS_INDICES = 5,    // index buffer of 32 bits
+  FURROW_ACCESS_CAPTURE = 6,    // transform feedback buffer `slot`
+  FURROW_ACCESS_OTHER_SUMS = 7  // as FURROW_ACCESS_SUMS, the second image
 };
 
 typedef struct FurrowBindingInfo {
   size_t size;
   uint32_t slot;
-  uint32_t buffer;  // FURROW_NONE for FURROW_ACCESS_SUMS
+  uint32_t buffer;  // FURROW_NONE for the sums
   uint32_t access;
   const char* name;  // in the shader; NULL for indices and captures
 } FurrowBindingInfo;

@@ -61,10 +61,10 @@ struct SmoothJob {
 
 // More smoothing, between Smooth and Respond: one Laplacian step over the points of one layer,
 //
-//   out = q + rate * (m - q)
+//   out = mean of q + rate * (m - q)
 //
-// m is the mean, over the triangles of the point's ring that are in the layer, of q at their other two
-// corners, weighted by rest angle. Every step widens what a crease reacts to by about one edge. Constant q
+// over the triangles of the point's ring that are in the layer, weighted by rest angle; m is the mean of q at
+// a triangle's other two corners. Every step widens what a crease reacts to by about one edge. Constant q
 // stays as it is. Steps are made by swapping q and out. Items: points.
 struct LaplaceJob {
   const AssetView* asset = nullptr;

@@ -18,8 +18,7 @@ class TieredFrame {
   ~TieredFrame();
 
   // `tier` from chooseTier(). `options` as for a plan of one instance; the form follows from the tier.
-  // `asset` must outlive the frame. Fails as Executor::create() does, and with kUnavailable where Laplacian
-  // steps are wanted of the gpu-raster tier, which is then passed over below too.
+  // `asset` must outlive the frame. Fails as Executor::create() does.
   Status create(const AssetView& asset, Tier tier, const PlanOptions& options = {},
                 ResetStatus lost = nullptr);
 
