@@ -129,8 +129,8 @@ class Loader {
 
   std::string_view kept(const flatbuffers::String* string) {
     if (!string || string->size() == 0) return {};
-    const auto& name = s_.names.emplace_back(string->begin(), string->end());
-    return {name.data(), name.size()};
+    const auto& name = s_.names.emplace_back(string->c_str(), string->c_str() + string->size() + 1);
+    return {name.data(), string->size()};  // furrow.h hands it out with its 0
   }
 
   static void keep(const flatbuffers::Vector<uint8_t>* section, std::pmr::vector<std::byte>& out) {
