@@ -143,9 +143,9 @@ TEST(Ease, AtOnceByResetOrWithoutARate) {
 }
 
 TEST(Ease, FadeIsNotPartOfTheState) {
-  Eased eased({0.0f, 1.0f});
-  EXPECT_NEAR(eased.step(0.8, 0.1f, false, 0.25f), 0.2, kStep);
-  EXPECT_NEAR(eased.step(0.8, 0.1f, false, 1.0f), 0.8, kStep);
+  Eased eased({4.0f, 1.0f});
+  EXPECT_NEAR(eased.step(0.8, 0.25f, false, 0.25f), 0.2 * (1 - std::exp(-1.0)), kStep);
+  EXPECT_NEAR(eased.step(0.8, 0.25f, false, 1.0f), 0.8 * (1 - std::exp(-2.0)), kStep);
   EXPECT_EQ(eased.step(0.8, 0.1f, false, 0.0f), 0.0);
   std::vector<int16_t> weights = {16384, 77};
   EaseJob job{&eased.view, {}, 0.0f, false, 0.5f, {}, weights};

@@ -217,6 +217,21 @@ TEST(Bind, OtherUnitsAndAxesNeedASimilarityAndATolerance) {
   }
 }
 
+TEST(Bind, BetweenTwoPlacesWhatRoundingWouldDecideIsAmbiguous) {
+  const Asset asset = cookAsset(hills(), recipeOf({axisLayer({1, 0, 0})}));
+  const AssetView& view = asset.view();
+  ASSERT_GT(view.position_error, 0.0f);
+  // A neighbour of the first point, and places between the two.
+  const Float3 a = view.positions[0], b = view.positions[view.indices[view.indices[0] == 0 ? 1 : 0]];
+  const float length = std::hypot(b.x - a.x, b.y - a.y, b.z - a.z);
+  for (const auto& [off, ambiguous] : {std::pair{0.5f, 1u}, {4.0f, 0u}}) {
+    const float t = 0.5f + off * view.position_error / length;
+    Mesh mesh;
+    mesh.positions = {{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z)}};
+    EXPECT_EQ(bind(view, mesh, 0.51f * length).counts.ambiguous, ambiguous) << off;
+  }
+}
+
 TEST(Bind, AStrangerIsRefused) {
   const Asset asset = cookAsset(hills(), recipeOf({axisLayer({1, 0, 0})}));
   Mesh stranger = meshOf(hills());

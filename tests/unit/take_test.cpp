@@ -81,6 +81,8 @@ TEST(Take, RunsOverMidnight) {
   ASSERT_EQ(t.times.size(), 3u);
   EXPECT_DOUBLE_EQ(t.times[1], 1.0 - 59.0 / 60.0);
   EXPECT_DOUBLE_EQ(t.times[2] - t.times[1], 1.0);
+  const Take days = take("Timecode,A\n20:00:00:00,0\n04:00:00:00,0\n20:00:00:00,0\n04:00:00:00,0\n");
+  EXPECT_THAT(days.times, ElementsAre(0.0, 8 * 3600.0, 24 * 3600.0, 32 * 3600.0));
 }
 
 TEST(Take, OfTwoFramesWithOneTimecodeTheLaterCounts) {
