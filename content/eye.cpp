@@ -56,19 +56,19 @@ Mesh eyeball() {
   Primitive& primitive = mesh.primitives.emplace_back();
   primitive.material = kEye;
   for (uint32_t ring = 0; ring <= kRings; ++ring) {
-    for (uint32_t spoke = 0; spoke <= kSpokes; ++spoke) {
+    const bool pole = ring == 0 || ring == kRings;  // a vertex a triangle there
+    for (uint32_t spoke = 0; spoke <= kSpokes - pole; ++spoke) {
       const double a = ringAngle(ring), b = 2 * kPi * (spoke % kSpokes) / kSpokes;
       const dvec3 p = ring == 0        ? dvec3(0, 0, at(0, 0).z)
                       : ring == kRings ? dvec3(0, 0, -0.01 * head::kEyeball)
                                        : at(a, b);
       constexpr double e = 1e-4;
       const dvec3 n =
-          ring == 0 || ring == kRings
-              ? dvec3(0, 0, ring == 0 ? 1 : -1)
-              : glm::normalize(glm::cross(at(a + e, b) - at(a - e, b), at(a, b + e) - at(a, b - e)));
+          pole ? dvec3(0, 0, ring == 0 ? 1 : -1)
+               : glm::normalize(glm::cross(at(a + e, b) - at(a - e, b), at(a, b + e) - at(a, b - e)));
       primitive.positions.emplace_back(p);
       primitive.normals.emplace_back(n);
-      primitive.uvs.emplace_back(static_cast<double>(spoke) / kSpokes, static_cast<double>(ring) / kRings);
+      primitive.uvs.emplace_back((spoke + 0.5 * pole) / kSpokes, static_cast<double>(ring) / kRings);
       // The upper lid and its lashes keep the light off.
       const double lit = glm::mix(1.0, 0.45, smoothRamp(0.0, 0.45, std::sin(a) * std::sin(b)));
       primitive.colors.emplace_back(glm::vec3(static_cast<float>(lit)), 1.0f);
@@ -76,9 +76,10 @@ Mesh eyeball() {
   }
   for (uint32_t ring = 0; ring < kRings; ++ring) {
     for (uint32_t spoke = 0; spoke < kSpokes; ++spoke) {
-      const uint32_t a = ring * (kSpokes + 1) + spoke, b = a + kSpokes + 1;
+      const uint32_t b = kSpokes + ring * (kSpokes + 1) + spoke, a = ring == 0 ? spoke : b - kSpokes - 1;
       if (ring + 1 < kRings) primitive.indices.insert(primitive.indices.end(), {a, b, b + 1});
-      if (ring > 0) primitive.indices.insert(primitive.indices.end(), {a, b + 1, a + 1});
+      if (ring > 0)
+        primitive.indices.insert(primitive.indices.end(), {a, ring + 1 < kRings ? b + 1 : b, a + 1});
     }
   }
   return mesh;

@@ -137,12 +137,19 @@ std::string bytesOf(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+// How often an edge between two of the net's points is walked along, by the points it leads from and to.
+std::map<std::pair<uint32_t, uint32_t>, int> directedEdges(const SurfaceNet& net) {
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;
+  for (const auto& quad : net.quads)
+    for (int k = 0; k < 4; ++k) ++edges[{quad[k], quad[(k + 1) % 4]}];
+  return edges;
+}
+
 // A ball: every point on it, closed, its area, its quads facing out.
 TEST(SurfaceNet, MeshesABall) {
   const auto ball = [](glm::dvec3 p) { return glm::length(p - glm::dvec3(0.1, -0.2, 0.3)) - 1.0; };
   const SurfaceNet net = surfaceNet(ball, glm::dvec3(-1.5), glm::dvec3(1.5), 0.1);
   for (glm::dvec3 p : net.points) ASSERT_NEAR(ball(p), 0.0, 1e-6);
-  std::map<std::pair<uint32_t, uint32_t>, int> edges;
   double area = 0;
   for (const auto& quad : net.quads) {
     const glm::dvec3 a = net.points[quad[0]], b = net.points[quad[1]], c = net.points[quad[2]],
@@ -150,14 +157,27 @@ TEST(SurfaceNet, MeshesABall) {
     const glm::dvec3 normal = 0.5 * glm::cross(c - a, d - b);
     area += glm::length(normal);
     EXPECT_GT(glm::dot(normal, slopeOf(ball, a)), 0.0);
-    for (int k = 0; k < 4; ++k) ++edges[{quad[k], quad[(k + 1) % 4]}];
   }
   EXPECT_NEAR(area, 4 * 3.14159265, 0.05);
+  const auto edges = directedEdges(net);
   for (const auto& [edge, count] : edges) {
     EXPECT_EQ(count, 1);
     EXPECT_TRUE(edges.contains({edge.second, edge.first}));
   }
   EXPECT_EQ(net.points.size() + net.quads.size() - edges.size() / 2, 2u);
+}
+
+// Two sheets a third of a cell apart, aslant to the grid: cells that hold both have a point of each, so that
+// no edge joins more than two quads.
+TEST(SurfaceNet, KeepsSheetsApart) {
+  const auto slab = [](glm::dvec3 p) {
+    const double ball = glm::length(p) - 1.0;
+    return std::max(ball, std::abs(glm::dot(p, glm::normalize(glm::dvec3(1, 2, 3)))) - 0.06);
+  };
+  const SurfaceNet net = surfaceNet(slab, glm::dvec3(-1.5), glm::dvec3(1.5), 0.1);
+  const auto edges = directedEdges(net);
+  EXPECT_GT(net.quads.size(), 300u);
+  for (const auto& [edge, count] : edges) EXPECT_LE(count, 1) << edge.first << " " << edge.second;
 }
 
 // Distances change by no more than the way that is gone; up to 1, beyond which a point may be missed. One
@@ -353,6 +373,27 @@ TEST(Content, ArraysMatchAndIndicesAreInRange) {
       }
     }
   }
+}
+
+// As the cook warns of them: no edge with more than two triangles, no vertex without one.
+TEST(Content, SurfacesAreCleanMeshes) {
+  for (const Scene* scene : {&face(), &jacket(), &panel(), &sleeve()})
+    for (const Mesh& mesh : scene->meshes)
+      for (const Primitive& primitive : mesh.primitives) {
+        std::vector<bool> used(primitive.positions.size());
+        std::map<std::pair<Key, Key>, int> edges;
+        for (size_t t = 0; t < primitive.indices.size(); t += 3)
+          for (size_t k = 0; k < 3; ++k) {
+            used[primitive.indices[t + k]] = true;
+            ++edges[std::minmax(keyOf(primitive.positions[primitive.indices[t + k]]),
+                                keyOf(primitive.positions[primitive.indices[t + (k + 1) % 3]]))];
+          }
+        const std::string name = mesh.name + ", " + scene->materials[primitive.material].name;
+        EXPECT_TRUE(std::ranges::all_of(used, std::identity())) << name;
+        for (const auto& [edge, count] : edges)
+          EXPECT_LE(count, 2) << name << ": " << edge.first[0] << " " << edge.first[1] << " "
+                              << edge.first[2];
+      }
 }
 
 TEST(Content, SurfacesFaceOutwards) {
