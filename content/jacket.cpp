@@ -25,13 +25,13 @@ using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
 constexpr double kHem = -38.5, kCuff = 49.5, kUpperLength = 28.0, kNeck = 7.6;
-constexpr dvec3 kShoulder{17.5, 8.0, -1.0}, kNeckMiddle{0.0, 0.0, -1.6};
+constexpr dvec3 kShoulder{17.5, 8.0, -1.0}, kCollarbone{2.5, 9.0, -1.0}, kNeckMiddle{0.0, 0.0, -1.6};
 
 enum JacketMaterial : uint32_t { kCloth, kKnit, kZip };
 // Joints; a shoulder and an elbow turn half as far as what they carry, so that the cloth about them keeps its
-// thickness. Of the right arm: kArmJoints further on.
-enum Joint : uint8_t { kHips, kSpine, kChest, kShoulderHalf, kUpperArm, kElbowHalf, kForeArm };
-constexpr uint8_t kArmJoints = 4;
+// thickness. A collarbone lifts the shoulder. Of the right arm: kArmJoints further on.
+enum Joint : uint8_t { kHips, kSpine, kChest, kClavicle, kShoulderHalf, kUpperArm, kElbowHalf, kForeArm };
+constexpr uint8_t kArmJoints = 5;
 
 double gauss(double x) {
   return std::exp(-x * x);
@@ -325,9 +325,11 @@ Influence influenceOf(dvec3 p) {
   const double body = first(arm_part), limb = last(arm_part);
   const uint8_t arm = place.side > 0 ? 0 : kArmJoints;
   const auto joint = [&](Joint j) { return static_cast<uint8_t>(j + arm); };
-  std::array<std::pair<double, uint8_t>, 7> all{{{body * (1 - spine), kHips},
+  const double lifted = smoothRamp(4.5, 18.0, m.x) * smoothRamp(-4.0, 9.0, m.y);
+  std::array<std::pair<double, uint8_t>, 8> all{{{body * (1 - spine), kHips},
                                                  {body * spine * (1 - chest), kSpine},
-                                                 {body * spine * chest, kChest},
+                                                 {body * spine * chest * (1 - lifted), kChest},
+                                                 {body * spine * chest * lifted, joint(kClavicle)},
                                                  {half(arm_part), joint(kShoulderHalf)},
                                                  {limb * first(bend), joint(kUpperArm)},
                                                  {limb * half(bend), joint(kElbowHalf)},
@@ -446,16 +448,18 @@ Scene buildJacket() {
                  {"hips", 0, metres(hips)},
                  {"spine", 1, metres(spine - hips)},
                  {"chest", 2, metres(chest - spine)},
-                 {"shoulderLeft", 3, metres(kShoulder - chest)},
-                 {"upperArmLeft", 3, metres(kShoulder - chest)},
-                 {"elbowLeft", 5, metres(kArm.elbow - kShoulder)},
-                 {"foreArmLeft", 5, metres(kArm.elbow - kShoulder)},
-                 {"shoulderRight", 3, metres(kShoulder * mirror - chest)},
-                 {"upperArmRight", 3, metres(kShoulder * mirror - chest)},
-                 {"elbowRight", 9, metres((kArm.elbow - kShoulder) * mirror)},
-                 {"foreArmRight", 9, metres((kArm.elbow - kShoulder) * mirror)},
+                 {"collarboneLeft", 3, metres(kCollarbone - chest)},
+                 {"shoulderLeft", 4, metres(kShoulder - kCollarbone)},
+                 {"upperArmLeft", 4, metres(kShoulder - kCollarbone)},
+                 {"elbowLeft", 6, metres(kArm.elbow - kShoulder)},
+                 {"foreArmLeft", 6, metres(kArm.elbow - kShoulder)},
+                 {"collarboneRight", 3, metres(kCollarbone * mirror - chest)},
+                 {"shoulderRight", 9, metres((kShoulder - kCollarbone) * mirror)},
+                 {"upperArmRight", 9, metres((kShoulder - kCollarbone) * mirror)},
+                 {"elbowRight", 11, metres((kArm.elbow - kShoulder) * mirror)},
+                 {"foreArmRight", 11, metres((kArm.elbow - kShoulder) * mirror)},
                  {"Jacket", -1, {}, 0, true}};
-  scene.joints = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  scene.joints = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13};
   Mesh jacket;
   jacket.name = "Jacket";
   jacket.primitives.push_back(finish(cloth()));
@@ -471,10 +475,15 @@ Scene buildJacket() {
     return t < 0.6 ? std::sin(kPi * t / 0.6) : -0.42 * std::sin(kPi * (t - 0.6) / 0.4);
   };
   scene.clips = {
-      swing("bend", 2.0, {{6, elbow, 42.5}, {7, elbow, 85}, {10, elbow_right, 42.5}, {11, elbow_right, 85}},
+      swing("bend", 2.0, {{7, elbow, 42.5}, {8, elbow, 85}, {12, elbow_right, 42.5}, {13, elbow_right, 85}},
             outAndBack),
       swing("raise", 3.0,
-            {{4, {0, 0, 1}, 37.5}, {5, {0, 0, 1}, 75}, {8, {0, 0, 1}, -37.5}, {9, {0, 0, 1}, -75}},
+            {{4, {0, 0, 1}, 22},
+             {5, {0, 0, 1}, 29},
+             {6, {0, 0, 1}, 58},
+             {9, {0, 0, 1}, -22},
+             {10, {0, 0, 1}, -29},
+             {11, {0, 0, 1}, -58}},
             upAndDown),
       swing("twist", 3.0, {{2, {0, 1, 0}, 22}, {3, {0, 1, 0}, 22}}, toBothSides),
       swing("lean", 2.0, {{2, {1, 0, 0}, 24}, {3, {1, 0, 0}, 20}}, outAndBack),

@@ -42,7 +42,7 @@ glm::vec3 paintedColor(const AssetView& asset, const Part& part, uint32_t v) {
 // Like a photographer: a subject of bright albedo gets less light into the picture, so that its form is not
 // burnt out; dark ones stay dark. The mean is that of the vertices.
 float exposureOf(const AssetView& asset) {
-  constexpr float kAlbedo = 0.45f;  // that is exposed as it is
+  constexpr float kAlbedo = 0.38f;  // that is exposed as it is
   const glm::vec3 luminance(0.2126f, 0.7152f, 0.0722f);
   double sum = 0.0;
   for (const Part& part : asset.parts) {

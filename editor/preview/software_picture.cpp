@@ -89,14 +89,14 @@ class Shadow {
 
   // 1 in full light, as surface_fragment.glsl has it. `normal`: unit, towards the eye.
   float at(glm::vec3 position, glm::vec3 normal) const {
-    const float cosine = std::clamp(glm::dot(normal, glm::vec3(scene_.lights[0])), 0.0f, 1.0f);
-    const float lift = scene_.eye.w * (6.0f + cosine * (2.0f - 6.0f));
+    const float cosine = glm::dot(normal, glm::vec3(scene_.lights[0]));
+    const float lift = scene_.eye.w * gpu::shadowLift(cosine);
     const glm::vec4 at = scene_.shadow * glm::vec4(position + normal * lift, 1.0f);
     float lit = 0.0f;
-    for (float y : {-1.7f, 0.0f, 1.7f})
-      for (float x : {-1.7f, 0.0f, 1.7f})
+    for (float y : {-gpu::kShadowBlur, 0.0f, gpu::kShadowBlur})
+      for (float x : {-gpu::kShadowBlur, 0.0f, gpu::kShadowBlur})
         lit += litAt(at.x * kShadowSize + x, (1.0f - at.y) * kShadowSize + y, at.z - 0.001f);
-    return gpu::shadowAtEdge(glm::mix(1.0f, lit / 9.0f, glm::smoothstep(0.0f, 0.25f, cosine)), glm::vec2(at));
+    return gpu::keyShare(lit / 9.0f, cosine, glm::vec2(at));
   }
 
  private:

@@ -28,7 +28,7 @@ constexpr uint32_t kWindowMargin =
     2;  // mask texels; bilinear filtering reads one further than the mask reaches
 constexpr double kNearlyWhole = 0.9;      // of a period: not worth a window
 constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
-constexpr float kFaintest = 0.45f;        // depth of a synthesised map where the clips squeeze least
+constexpr float kFaintest = 0.2f;         // depth of a synthesised map where the clips squeeze least
 
 struct PresetDefaults {
   double spacing, depth;  // of the default spacing; of the spacing
@@ -172,7 +172,7 @@ class MapBake {
     }
     for (size_t p = 0; p < strength.size(); ++p) {
       const float share = most > 0.0f ? std::min(peaks_[p] / most, 1.0f) : 1.0f;
-      strength[p] = strength[p] > 0.0f ? kFaintest + (1.0f - kFaintest) * share : 0.0f;
+      strength[p] = strength[p] > 0.0f ? kFaintest + (1.0f - kFaintest) * share * std::sqrt(share) : 0.0f;
     }
   }
 

@@ -697,6 +697,24 @@ TEST(Content, ABentElbowKeepsItsThickness) {
   EXPECT_GT(radius(bent) / radius(cloth.positions), 0.96f);
 }
 
+// Raised by the shoulder joint alone, the arm stands beside the shoulder like a wall; the collarbone lifts
+// both.
+TEST(Content, ARaisedArmGrowsOutOfTheShoulder) {
+  const Primitive& cloth = part(jacket(), "cloth");
+  const std::vector<glm::vec3> raised = skinned(jacket(), cloth, "raise", 27);
+  std::array<float, 16> top;  // a centimetre each, from beside the collar outwards
+  top.fill(-1.0f);
+  for (glm::vec3 p : raised) {
+    const float column = (p.x - 0.09f) * 100.0f;
+    if (column >= 0.0f && column < 16.0f)
+      top[static_cast<size_t>(column)] = std::max(top[static_cast<size_t>(column)], p.y);
+  }
+  float steepest = 0.0f;
+  for (size_t i = 1; i < top.size(); ++i) steepest = std::max(steepest, top[i] - top[i - 1]);
+  RecordProperty("steepest", std::to_string(steepest));
+  EXPECT_LT(steepest, 0.03f);
+}
+
 TEST(Content, JacketIsSqueezedAtElbowShoulderAndWaist) {
   const Primitive& cloth = part(jacket(), "cloth");
   const auto ratio = [&](const char* clip, size_t key, glm::dvec3 d, glm::vec3 centre, float radius) {

@@ -32,6 +32,9 @@ FURROW_VALUE vec3 kBump = vec3(0.82f, 0.94f, 1.0f);
 FURROW_VALUE float kGloss = 0.9f;
 FURROW_VALUE float kRimGloss = 0.35f;
 
+// Texels of the shadow map between two of the nine samples that a pixel takes.
+FURROW_VALUE float kShadowBlur = 2.4f;
+
 // The darkest a crease gets where there is no map to say.
 FURROW_VALUE float kVertexShade = 0.55f;
 
@@ -45,7 +48,8 @@ FURROW_FUNCTION vec3 rimTint() {
   return vec3(0.93f, 0.96f, 1.0f);
 }
 
-// GGX with Smith's height-correlated visibility and Schlick's Fresnel term.
+// GGX with Smith's height-correlated visibility and Schlick's Fresnel term, which rough surfaces, whose bumps hide one
+// another where they are grazed, reach in part.
 FURROW_FUNCTION float specular(vec3 n, vec3 v, vec3 l, float roughness) {
   vec3 h = normalize(v + l);
   float nl = max(dot(n, l), 0.0f), nv = max(dot(n, v), 1e-3f), nh = max(dot(n, h), 0.0f);
@@ -54,7 +58,8 @@ FURROW_FUNCTION float specular(vec3 n, vec3 v, vec3 l, float roughness) {
   float distribution = a2 / (kPi * d * d);
   float masking = nl * sqrt(nv * nv * (1.0f - a2) + a2), shadowing = nv * sqrt(nl * nl * (1.0f - a2) + a2);
   float visibility = 0.5f / (masking + shadowing + 1e-5f);
-  float fresnel = kReflectance + (1.0f - kReflectance) * pow(1.0f - max(dot(v, h), 0.0f), 5.0f);
+  float grazed = max(1.0f - roughness, kReflectance);
+  float fresnel = kReflectance + (grazed - kReflectance) * pow(1.0f - max(dot(v, h), 0.0f), 5.0f);
   return distribution * visibility * fresnel * nl;
 }
 
@@ -100,10 +105,18 @@ FURROW_FUNCTION float viewLight(vec3 form, vec3 v, vec3 key) {
   return 0.45f + 0.4f * max(dot(form, v), 0.0f) + 0.35f * max(dot(form, key), 0.0f);
 }
 
-// `lit` at `at`, in [0, 1], of the shadow map, beside which all is lit.
-FURROW_FUNCTION float shadowAtEdge(float lit, vec2 at) {
+// How far off the surface, in texels of the shadow map, its light is looked up: farther where light grazes it, so that
+// neither a facet nor the curve of the form shades itself.
+FURROW_FUNCTION float shadowLift(float cosine) {
+  return mix(8.0f, 2.0f, clamp(cosine, 0.0f, 1.0f));
+}
+
+// What reaches the surface of the key light: `lit` is the share of samples that the shadow map has in the light, `at`
+// where, in [0, 1], beside which all is lit. Where the form itself turns away, shade() lets the light fade.
+FURROW_FUNCTION float keyShare(float lit, float cosine, vec2 at) {
   vec2 out_of_middle = abs(at * 2.0f - 1.0f);
-  return mix(lit, 1.0f, smoothstep(0.9f, 1.0f, max(out_of_middle.x, out_of_middle.y)));
+  float faded = mix(1.0f, lit, smoothstep(-0.16f, -0.02f, cosine));
+  return mix(faded, 1.0f, smoothstep(0.9f, 1.0f, max(out_of_middle.x, out_of_middle.y)));
 }
 
 // Keeps colours as they are up to 0.8 and rolls brighter ones off to white (Khronos PBR neutral tone

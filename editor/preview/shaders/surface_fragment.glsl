@@ -6,16 +6,15 @@ uniform sampler2DShadow shadow_map;
 layout(location = 0) out vec4 color;
 
 float shadowAt(vec3 position, vec3 normal) {
-  // Moved off the surface, farther where the light grazes it: a facet must not shade itself.
-  float cosine = clamp(dot(normal, scene.lights[0].xyz), 0.0, 1.0);
-  float lift = scene.eye.w * mix(6.0, 2.0, cosine);
+  float cosine = dot(normal, scene.lights[0].xyz);
+  float lift = scene.eye.w * shadowLift(cosine);
   vec3 at = (scene.shadow * vec4(position + normal * lift, 1.0)).xyz;
   vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
   float lit = 0.0;
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x)
-      lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * 1.7 * texel, at.z - 0.001));
-  return shadowAtEdge(mix(1.0, lit / 9.0, smoothstep(0.0, 0.25, cosine)), at.xy);
+      lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * kShadowBlur * texel, at.z - 0.001));
+  return keyShare(lit / 9.0, cosine, at.xy);
 }
 
 float component(vec4 values[4], uint layer) { return values[layer / 4u][layer % 4u]; }
