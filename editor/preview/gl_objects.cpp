@@ -127,6 +127,18 @@ GlObject makeProgram(const char* name, GlslPieces vertex, GlslPieces geometry, G
   return program;
 }
 
+GlObject makeBuffer(std::span<const std::byte> bytes) {
+  GlObject buffer(GlKind::kBuffer);
+  glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
+  glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes.size()), bytes.data(), GL_STATIC_DRAW);
+  return buffer;
+}
+
+void refill(uint32_t buffer, std::span<const std::byte> bytes) {
+  glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
+  glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes.size()), bytes.data(), GL_STREAM_DRAW);
+}
+
 PictureTarget::PictureTarget(uint32_t width, uint32_t height) : width_(width), height_(height) {
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide)

@@ -3,8 +3,10 @@
 // Owners of OpenGL objects. All need the context they were made in to be current, destructors too, unless
 // that was lost and its objects given up.
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <utility>
 
 namespace furrow::preview {
@@ -46,6 +48,10 @@ GlObject makeProgram(const char* name, GlslPieces vertex, GlslPieces geometry, G
 
 inline constexpr uint32_t kSceneSlot = 0;
 inline constexpr uint32_t kMaterialSlot = 1;
+
+// A buffer with these bytes, for many frames; and other bytes in it, for one.
+GlObject makeBuffer(std::span<const std::byte> bytes);
+void refill(uint32_t buffer, std::span<const std::byte> bytes);
 
 // A multisampled picture with depth, resolved into a texture.
 class PictureTarget {

@@ -5,275 +5,86 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
-#include <map>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "editor/preview/cpu_frame.h"
-#include "editor/preview/gl_objects.h"
+#include "editor/preview/asset_objects.h"
 #include "editor/preview/gpu_times.h"
+#include "editor/preview/posed_buffers.h"
+#include "editor/preview/programs.h"
 #include "editor/preview/scene_setup.h"
 #include "editor/preview/view_values.h"
-#include "furrow/gl/executor.h"
-#include "pipeline/error.h"
-#include "preview_shaders.h"
 
 namespace furrow::preview {
-
 namespace {
 
 using pipeline::Error;
 using pipeline::Exit;
 
-// Attribute slots of surface_vertex.glsl.
-constexpr GLuint kPosition = 0, kNormal = 1, kTangent = 2, kUv = 3, kWeights = 4, kMasks = 8, kValue = 12;
 constexpr GLuint kVectors = kMaxLayers / 4;  // weights and masks go in fours
-
-// Texture units.
-constexpr GLint kNormalMaps = 0, kShadingMaps = 1, kMaskMaps = 2, kShadowMap = 3, kBaseColorMap = 4,
-                kBaseNormalMap = 5;
-
-constexpr float kAnisotropy = 4.0f;
-
-static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
-static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
-              gpu::kViewMorph == static_cast<uint32_t>(View::kMorph));
-
-template <typename T>
-GlObject makeBuffer(GLenum target, std::span<const T> values, GLenum usage) {
-  GlObject buffer(GlKind::kBuffer);
-  glBindBuffer(target, buffer);
-  glBufferData(target, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), usage);
-  return buffer;
-}
-
-template <typename T>
-void refill(uint32_t buffer, GLenum target, std::span<const T> values) {
-  glBindBuffer(target, buffer);
-  glBufferData(target, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), GL_STREAM_DRAW);
-}
-
-// Null if the texture has no slices: sampling it is then excluded by the material.
-GlObject makeTexture(const Texture& texture) {
-  if (texture.slices == 0) return {};
-  constexpr GLenum kFormats[] = {GL_COMPRESSED_RG_RGTC2, GL_COMPRESSED_RED_RGTC1, GL_RGBA8,
-                                 GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT};
-  const GLenum format = kFormats[static_cast<size_t>(texture.format)];
-  GlObject object(GlKind::kTexture);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, object);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  size_t offset = 0;
-  for (uint32_t level = 0; level < texture.levels; ++level) {
-    const size_t bytes =
-        textureLevelBytes(texture.format, texture.width, texture.height, level) * texture.slices;
-    const auto width = static_cast<GLsizei>(std::max(texture.width >> level, 1u));
-    const auto height = static_cast<GLsizei>(std::max(texture.height >> level, 1u));
-    const auto slices = static_cast<GLsizei>(texture.slices);
-    const std::byte* data = texture.data.subspan(offset, bytes).data();
-    if (texture.format == TextureFormat::kRgba8)
-      glTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), GL_RGBA8, width, height, slices, 0,
-                   GL_RGBA, GL_UNSIGNED_BYTE, data);
-    else
-      glCompressedTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), format, width, height, slices, 0,
-                             static_cast<GLsizei>(bytes), data);
-    offset += bytes;
-  }
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(texture.levels) - 1);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_REPEAT);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_REPEAT);
-  // It more than doubles the time of a picture there.
-  if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") && !isSoftwareGl())
-    glTexParameterf(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
-  return object;
-}
-
-struct TextureSetObjects {
-  GlObject normals, shading, masks;
-};
-struct BaseMapObjects {
-  GlObject color, normal;
-};
-
-// Where the vertex shader reads a posed surface.
-struct PosedBuffers {
-  uint32_t positions, normals, tangents, weights;
-};
-
-// The cpu tier's frame in buffers.
-class UploadedFrame {
- public:
-  explicit UploadedFrame(const AssetView& asset) : frame_(asset) {
-    for (GlObject& buffer : buffers_) buffer = GlObject(GlKind::kBuffer);
-  }
-
-  // `mask`: a value a vertex that the weights of `layer` are multiplied by, or empty.
-  PosedBuffers run(const FrameInput& input, uint32_t layer, std::span<const float> mask, StageTimes* times) {
-    frame_.run(input, times);
-    StageClock clock(times);
-    for (size_t v = 0; v < mask.size(); ++v) {
-      int16_t& weight = frame_.weights[v * (frame_.weights.size() / mask.size()) + layer];
-      weight = static_cast<int16_t>(std::lround(mask[v] * static_cast<float>(weight)));
-    }
-    refill(buffers_[0], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.positions));
-    refill(buffers_[1], GL_ARRAY_BUFFER, std::span<const Float3>(frame_.normals));
-    refill(buffers_[2], GL_ARRAY_BUFFER, std::span<const Float4>(frame_.tangents));
-    refill(buffers_[3], GL_ARRAY_BUFFER, std::span<const int16_t>(frame_.weights));
-    clock.end("upload");
-    return {buffers_[0], buffers_[1], buffers_[2], buffers_[3]};
-  }
-
- private:
-  CpuFrame frame_;
-  std::array<GlObject, 4> buffers_;
-};
-
-class GpuFrame {
- public:
-  GpuFrame(const AssetView& asset, Tier tier, gl::ResetStatus lost)
-      : plan_(asset, {.form = gl::formOf(tier)}), generation_(objectGeneration()) {
-    if (const Status status = executor_.create(plan_, lost); !status.ok())
-      throw Error(status.code == StatusCode::kOutOfMemory || status.code == StatusCode::kUnavailable
-                      ? Exit::kEnvironment
-                      : Exit::kBadData,
-                  std::string(gl::tierName(tier)) + " tier", status.message, "use the cpu tier");
-  }
-
-  ~GpuFrame() {
-    if (generation_ != objectGeneration()) executor_.giveUp();
-  }
-  GpuFrame(const GpuFrame&) = delete;
-  GpuFrame& operator=(const GpuFrame&) = delete;
-
-  // Fails where the context was lost.
-  Status run(const FrameInput& input, StageTimes* times, PosedBuffers& out) {
-    GpuTimes clock(times);
-    Status status = executor_.upload(input);
-    clock.end("upload");
-    if (status.ok())
-      status = executor_.run({}, [&](const Item& item) {
-        constexpr std::string_view kPrefix = "furrow ";
-        std::string_view name = item.label;
-        if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
-        clock.end(name);
-      });
-    if (!status.ok()) return status;
-    clock.read();
-    out = {executor_.handle(Buffer::kPositions), executor_.handle(Buffer::kNormals),
-           executor_.handle(Buffer::kTangents), executor_.handle(Buffer::kWeights)};
-    return {};
-  }
-
- private:
-  FramePlan plan_;
-  gl::Executor executor_;
-  uint32_t generation_;
-};
 
 }  // namespace
 
 struct Renderer::State {
-  explicit State(const AssetView& asset);
+  State();
 
+  void show(const AssetView& shown);
   Status pose(const FrameInput& input, const RenderOptions& options, Tier tier, gl::ResetStatus lost,
               PosedBuffers& out);
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
-  void fillScene(const RenderOptions& options);
-  uint32_t surfaceProgram(const RenderOptions& options, bool maps, bool base_color, bool base_normal);
+  void fillScene(const RenderOptions& options, uint32_t weighed);
   void drawShadow(const RenderOptions& options);
   void drawParts(const RenderOptions& options);
   void drawStrokes(const RenderOptions& options);
 
+  // Of the context.
   const uint32_t generation = objectGeneration();
-  std::vector<Layer> layers;  // of `asset`
-  AssetView asset;
-  uint32_t unmasked = kAbsent;  // the layer whose mask is painted: its weights are masked already
-  std::map<std::tuple<View, Shading, Lighting, bool, bool, bool>, GlObject>
-      surface;  // programs by surfaceProgram()'s constants
-  GlObject shadow, background, stroke;
-  GlObject vertex_array, uvs, colors, masks, indices, values, stroke_indices, scene_buffer, material_buffer;
-  GlObject shadow_map, shadow_frame, empty_map;
-  std::vector<TextureSetObjects> texture_sets;
-  std::vector<BaseMapObjects> base_maps;
-  GLintptr material_stride = 0;
+  Programs programs;
+  GlObject vertex_array, values, stroke_indices, scene_buffer, shadow_map, shadow_frame, empty_map;
+  std::unique_ptr<PictureTarget> target;
+
+  // Of the asset.
+  std::vector<Layer> layers;
+  AssetView asset;  // with `layers`
+  std::unique_ptr<AssetObjects> objects;
+  std::unique_ptr<UploadedFrame> cpu;
+  std::unique_ptr<GpuFrame> gpu_frame, raster_frame;
+  float exposure = 1.0f;
+
+  // Of the picture.
   gpu::Scene scene{};
   float stroke_spacing = 0.0f;
   uint32_t stroke_layer = kAbsent;
   GLsizei strokes = 0;
-  std::unique_ptr<UploadedFrame> cpu;
-  std::unique_ptr<GpuFrame> gpu_frame, raster_frame;
-  std::unique_ptr<PictureTarget> target;
 
  private:
   PosedBuffers poseOnCpu(const FrameInput& input, const RenderOptions& options);
-  void unmask(uint32_t layer);
-  void makePrograms();
   void makeShadowMap();
-  void makeMaterials();
-  void makeMasks();
 };
 
-Renderer::State::State(const AssetView& view) : layers(view.layers.begin(), view.layers.end()), asset(view) {
-  asset.layers = layers;
-  makePrograms();
+Renderer::State::State()
+    : vertex_array(GlKind::kVertexArray),
+      values(GlKind::kBuffer),
+      stroke_indices(GlKind::kBuffer),
+      scene_buffer(GlKind::kBuffer) {
   makeShadowMap();
-  for (const TextureSet& set : asset.texture_sets)
-    texture_sets.push_back({makeTexture(set.normals), makeTexture(set.shading), makeTexture(set.masks)});
-  for (const BaseMaps& maps : asset.base_maps)
-    base_maps.push_back({makeTexture(maps.color), makeTexture(maps.normal)});
-  vertex_array = GlObject(GlKind::kVertexArray);
-  glBindVertexArray(vertex_array);
-  indices = makeBuffer(GL_ELEMENT_ARRAY_BUFFER, asset.indices, GL_STATIC_DRAW);
-  uvs = makeBuffer(GL_ARRAY_BUFFER, asset.uvs, GL_STATIC_DRAW);
-  colors = makeBuffer(GL_ARRAY_BUFFER, asset.colors, GL_STATIC_DRAW);
-  values = GlObject(GlKind::kBuffer);
-  stroke_indices = GlObject(GlKind::kBuffer);
-  scene_buffer = GlObject(GlKind::kBuffer);
-  makeMasks();
-  makeMaterials();
   // A sampler must have a complete texture even where nothing is read from it.
   const std::array<std::byte, 4> texel{};
   empty_map = makeTexture({TextureFormat::kRgba8, 1, 1, 1, 1, texel});
 }
 
-void Renderer::State::makePrograms() {
-  shadow = makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment});
-  background = makeProgram("background", {shaders::kBackgroundVertex}, {},
-                           {shaders::kFurrowShade, shaders::kLighting, shaders::kBackgroundFragment});
-  stroke =
-      makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry}, {shaders::kStrokeFragment});
-}
-
-uint32_t Renderer::State::surfaceProgram(const RenderOptions& options, bool maps, bool base_color,
-                                         bool base_normal) {
-  // Only the beauty view knows shadings.
-  const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
-  GlObject& program = surface[{options.view, shading, options.lighting, maps, base_color, base_normal}];
-  if (program) return program;
-  const auto truth = [](bool value) { return value ? "true" : "false"; };
-  const std::string constants =
-      "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
-      "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
-      "u;\nconst bool kBlinn = " + truth(options.lighting == Lighting::kBlinn) +
-      ";\nconst bool kMaps = " + truth(maps) + ";\nconst bool kBaseColor = " + truth(base_color) +
-      ";\nconst bool kBaseNormal = " + truth(base_normal) + ";\n";
-  program = makeProgram("surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
-                        {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kLighting,
-                         shaders::kSurfaceFragment});
-  glUseProgram(program);
-  glUniform1i(glGetUniformLocation(program, "normal_maps"), kNormalMaps);
-  glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
-  glUniform1i(glGetUniformLocation(program, "mask_maps"), kMaskMaps);
-  glUniform1i(glGetUniformLocation(program, "shadow_map"), kShadowMap);
-  glUniform1i(glGetUniformLocation(program, "base_color_map"), kBaseColorMap);
-  glUniform1i(glGetUniformLocation(program, "base_normal_map"), kBaseNormalMap);
-  return program;
+void Renderer::State::show(const AssetView& shown) {
+  cpu.reset();
+  gpu_frame.reset();
+  raster_frame.reset();
+  layers.assign(shown.layers.begin(), shown.layers.end());
+  asset = shown;
+  asset.layers = layers;
+  objects = std::make_unique<AssetObjects>(asset, objects.get());
+  exposure = exposureOf(asset);
+  stroke_layer = kAbsent;
 }
 
 void Renderer::State::makeShadowMap() {
@@ -294,57 +105,10 @@ void Renderer::State::makeShadowMap() {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void Renderer::State::makeMaterials() {
-  GLint alignment = 1;
-  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  material_stride = (static_cast<GLintptr>(sizeof(gpu::Material)) + alignment - 1) / alignment * alignment;
-  std::vector<std::byte> bytes(static_cast<size_t>(material_stride) * asset.parts.size());
-  for (size_t p = 0; p < asset.parts.size(); ++p) {
-    const Part& part = asset.parts[p];
-    gpu::Material material{};
-    material.base_color = shownColor(asset, part);
-    material.roughness = part.roughness;
-    if (part.base_maps != kAbsent) {
-      const BaseMaps& maps = asset.base_maps[part.base_maps];
-      const float *color = maps.color_uv, *normal = maps.normal_uv;
-      material.color_uv = {color[0], color[1], color[2], color[3]};
-      material.normal_uv = {normal[0], normal[1], normal[2], normal[3]};
-      material.color_at_normal_at = {color[4], color[5], normal[4], normal[5]};
-      material.opaque_from = maps.opaque_from;
-    }
-    for (glm::uvec4& slices : material.slices) slices = glm::uvec4(kAbsent);
-    if (part.texture_set != kAbsent) {
-      const TextureSet& set = asset.texture_sets[part.texture_set];
-      material.with_masks = set.masks.slices > 0;
-      static_assert(sizeof set.windows == sizeof material.windows);
-      std::memcpy(material.windows, set.windows, sizeof material.windows);
-      for (uint32_t l = 0; l < asset.layerCount(); ++l)
-        material.slices[l] = {set.compress_slice[l], set.stretch_slice[l],
-                              material.with_masks && l != unmasked ? asset.layers[l].mask_slice : kAbsent, 0};
-    }
-    std::memcpy(&bytes[p * static_cast<size_t>(material_stride)], &material, sizeof material);
-  }
-  material_buffer = makeBuffer(GL_UNIFORM_BUFFER, std::span<const std::byte>(bytes), GL_STATIC_DRAW);
-}
-
-void Renderer::State::makeMasks() {
-  std::vector<uint8_t> bytes(size_t{asset.vertexCount()} * kMaxLayers, 255);
-  for (size_t l = 0; l < asset.layers.size(); ++l)
-    for (size_t v = 0; v < asset.layers[l].mask.size() && l != unmasked; ++v)
-      bytes[v * kMaxLayers + l] = asset.layers[l].mask[v];
-  masks = makeBuffer(GL_ARRAY_BUFFER, std::span<const uint8_t>(bytes), GL_STATIC_DRAW);
-}
-
-void Renderer::State::unmask(uint32_t layer) {
-  if (layer == unmasked) return;
-  unmasked = layer;
-  makeMasks();
-  makeMaterials();
-}
-
 PosedBuffers Renderer::State::poseOnCpu(const FrameInput& input, const RenderOptions& options) {
   if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
-  const std::span<const float> mask = unmasked == kAbsent ? std::span<const float>() : options.mask;
+  const std::span<const float> mask =
+      objects->unmasked() == kAbsent ? std::span<const float>() : options.mask;
   if (options.bias.empty()) return cpu->run(input, options.layer, mask, options.times);
   std::vector<int16_t> painted;
   for (const float value : options.bias)
@@ -359,7 +123,7 @@ PosedBuffers Renderer::State::poseOnCpu(const FrameInput& input, const RenderOpt
 Status Renderer::State::pose(const FrameInput& input, const RenderOptions& options, Tier tier,
                              gl::ResetStatus lost, PosedBuffers& out) {
   const bool masked = tier == Tier::kCpu && options.view == View::kBeauty && !options.mask.empty();
-  unmask(masked ? options.layer : kAbsent);
+  objects->unmask(masked ? options.layer : kAbsent);
   if (tier == Tier::kCpu) {
     out = poseOnCpu(input, options);
     return {};
@@ -371,6 +135,7 @@ Status Renderer::State::pose(const FrameInput& input, const RenderOptions& optio
 
 void Renderer::State::bindSurface(const PosedBuffers& posed) const {
   glBindVertexArray(vertex_array);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, objects->indices);
   const auto attribute = [](GLuint slot, uint32_t buffer, GLint components, GLenum type, GLsizei stride,
                             size_t offset) {
     glBindBuffer(GL_ARRAY_BUFFER, buffer);
@@ -381,10 +146,10 @@ void Renderer::State::bindSurface(const PosedBuffers& posed) const {
   attribute(kPosition, posed.positions, 3, GL_FLOAT, sizeof(Float3), 0);
   attribute(kNormal, posed.normals, 3, GL_FLOAT, sizeof(Float3), 0);
   attribute(kTangent, posed.tangents, 4, GL_FLOAT, sizeof(Float4), 0);
-  attribute(kUv, uvs, 2, GL_FLOAT, sizeof(Float2), 0);
+  attribute(kUv, objects->uvs, 2, GL_FLOAT, sizeof(Float2), 0);
   const uint32_t stride = asset.weightStride();
   for (GLuint i = 0; i < kVectors; ++i) {
-    attribute(kMasks + i, masks, 4, GL_UNSIGNED_BYTE, kMaxLayers, 4 * i);
+    attribute(kMasks + i, objects->masks, 4, GL_UNSIGNED_BYTE, kMaxLayers, 4 * i);
     if (4 * i < stride) {
       attribute(kWeights + i, posed.weights, static_cast<GLint>(std::min(stride - 4 * i, 4u)), GL_SHORT,
                 static_cast<GLsizei>(stride * sizeof(int16_t)), 4 * i * sizeof(int16_t));
@@ -397,7 +162,7 @@ void Renderer::State::bindSurface(const PosedBuffers& posed) const {
 
 void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& options) {
   if (options.view == View::kBeauty && !asset.colors.empty()) {
-    glBindBuffer(GL_ARRAY_BUFFER, colors);
+    glBindBuffer(GL_ARRAY_BUFFER, objects->colors);
     glVertexAttribPointer(kValue, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
     glEnableVertexAttribArray(kValue);
     return;
@@ -408,14 +173,18 @@ void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& o
     glVertexAttrib4f(kValue, 1.0f, 1.0f, 1.0f, 1.0f);
     return;
   }
-  refill(values, GL_ARRAY_BUFFER, std::span<const glm::vec4>(shown));
+  refill(values, std::as_bytes(std::span(shown)));
+  glBindBuffer(GL_ARRAY_BUFFER, values);
   glVertexAttribPointer(kValue, 4, GL_FLOAT, GL_FALSE, sizeof(glm::vec4), nullptr);
   glEnableVertexAttribArray(kValue);
 }
 
-void Renderer::State::fillScene(const RenderOptions& options) {
-  scene = sceneOf(asset, options);
-  refill(scene_buffer, GL_UNIFORM_BUFFER, std::span<const gpu::Scene>(&scene, 1));
+void Renderer::State::fillScene(const RenderOptions& options, uint32_t weighed) {
+  scene = sceneOf(options, exposure);
+  for (uint32_t l = 0; l < asset.layerCount(); ++l)
+    if (weighed >> l & 1u)
+      scene.shown_layers[scene.layers / 4][static_cast<int>(scene.layers % 4)] = l, ++scene.layers;
+  refill(scene_buffer, std::as_bytes(std::span(&scene, 1)));
   glBindBufferBase(GL_UNIFORM_BUFFER, kSceneSlot, scene_buffer);
 }
 
@@ -424,7 +193,7 @@ void Renderer::State::drawShadow(const RenderOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
   glViewport(0, 0, kShadowSize, kShadowSize);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glUseProgram(shadow);
+  glUseProgram(programs.shadow);
   glEnable(GL_DEPTH_CLAMP);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5f, 2.0f);
@@ -441,20 +210,21 @@ void Renderer::State::drawParts(const RenderOptions& options) {
   bind(kShadowMap, GL_TEXTURE_2D, shadow_map);
   for (size_t p = 0; p < asset.parts.size(); ++p) {
     const Part& part = asset.parts[p];
-    const TextureSetObjects* set = part.texture_set == kAbsent ? nullptr : &texture_sets[part.texture_set];
-    const auto mapOr = [&](const GlObject TextureSetObjects::*map) -> uint32_t {
-      return set && set->*map ? set->*map : empty_map;
+    AssetObjects::TextureSetNames set{};
+    if (part.texture_set != kAbsent) set = objects->texture_sets[part.texture_set];
+    AssetObjects::BaseMapNames own{};
+    if (part.base_maps != kAbsent) own = objects->base_maps[part.base_maps];
+    const auto bindMap = [&](GLint unit, uint32_t map) {
+      bind(unit, GL_TEXTURE_2D_ARRAY, map ? map : empty_map);
     };
-    const BaseMapObjects* base = part.base_maps == kAbsent ? nullptr : &base_maps[part.base_maps];
-    const uint32_t color = base ? base->color : 0, normal = base ? base->normal : 0;
-    glUseProgram(surfaceProgram(options, set && set->normals, color != 0, normal != 0));
-    bind(kBaseColorMap, GL_TEXTURE_2D_ARRAY, color ? color : empty_map);
-    bind(kBaseNormalMap, GL_TEXTURE_2D_ARRAY, normal ? normal : empty_map);
-    bind(kNormalMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::normals));
-    bind(kShadingMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::shading));
-    bind(kMaskMaps, GL_TEXTURE_2D_ARRAY, mapOr(&TextureSetObjects::masks));
-    glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, material_buffer,
-                      static_cast<GLintptr>(p) * material_stride, sizeof(gpu::Material));
+    glUseProgram(programs.surface(options, set.normals != 0, own.color != 0, own.normal != 0));
+    bindMap(kBaseColorMap, own.color);
+    bindMap(kBaseNormalMap, own.normal);
+    bindMap(kNormalMaps, set.normals);
+    bindMap(kShadingMaps, set.shading);
+    bindMap(kMaskMaps, set.masks);
+    glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, objects->materials,
+                      static_cast<GLintptr>(p * objects->material_stride), sizeof(gpu::Material));
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (part.triangle_end - part.triangle_begin)),
                    GL_UNSIGNED_INT,
                    reinterpret_cast<const void*>(size_t{part.triangle_begin} * 3 * sizeof(uint32_t)));
@@ -475,14 +245,14 @@ void Renderer::State::drawStrokes(const RenderOptions& options) {
     stroke_layer = options.layer;
     stroke_spacing = spacing;
   }
-  glUseProgram(stroke);
+  glUseProgram(programs.stroke);
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   glDepthMask(GL_FALSE);
   glDrawElements(GL_POINTS, strokes, GL_UNSIGNED_INT, nullptr);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, objects->indices);
 }
 
 ContextLost::ContextLost(Tier on, const char* how)
@@ -491,8 +261,19 @@ ContextLost::ContextLost(Tier on, const char* how)
       how_(how) {}
 
 Renderer::Renderer(const AssetView& asset, gl::ResetStatus lost)
-    : asset_(asset), asked_(lost ? lost : gl::resetStatus()), state_(std::make_unique<State>(asset)) {}
+    : asset_(&asset), asked_(lost ? lost : gl::resetStatus()), state_(std::make_unique<State>()) {
+  state_->show(asset);
+}
 Renderer::~Renderer() = default;
+
+void Renderer::show(const AssetView& asset) {
+  asset_ = &asset;
+  check();
+  if (!state_) return;
+  std::unique_ptr<State> state = std::move(state_);
+  state->show(asset);
+  state_ = std::move(state);
+}
 
 // What the lost context held is given up.
 void Renderer::lose(const char* how) {
@@ -506,14 +287,19 @@ void Renderer::check() {
   if (!state_) return;
   // Another renderer may have found it before.
   if (state_->generation != objectGeneration()) lose("the OpenGL context was lost");
-  if (const Status status = gl::contextStatus(asked_, state_->indices); !status.ok()) lose(status.message);
+  if (const Status status = gl::contextStatus(asked_, state_->objects->indices); !status.ok())
+    lose(status.message);
 }
 
 uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) try {
-  checkPicture(asset_, input, options);
+  checkPicture(*asset_, input, options);
   tier_ = std::max(options.tier, first_);
   check();
-  if (!state_) state_ = std::make_unique<State>(asset_);
+  if (!state_) {
+    auto state = std::make_unique<State>();
+    state->show(*asset_);
+    state_ = std::move(state);
+  }
   State& s = *state_;
   if (!s.target || s.target->width() != options.width || s.target->height() != options.height) {
     s.target.reset();
@@ -525,7 +311,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) t
   GpuTimes clock(options.times);
   s.bindSurface(posed);
   s.bindValues(input, options);
-  s.fillScene(options);
+  s.fillScene(options, posed.layers);
 
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -540,7 +326,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) t
   glEnable(GL_MULTISAMPLE);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glUseProgram(s.background);
+  glUseProgram(s.programs.background);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   s.drawParts(options);
   if (options.view == View::kDirection) s.drawStrokes(options);

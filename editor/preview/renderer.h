@@ -1,6 +1,6 @@
 #pragma once
 
-// The preview renderer: one asset, one pose, one picture. Needs a current OpenGL 3.3 core context
+// The preview renderer: one asset at a time, one pose, one picture. Needs a current OpenGL 3.3 core context
 // (headless_context.h or a window), 4.3 for the gpu tier; the destructor needs it too.
 
 #include <memory>
@@ -65,6 +65,10 @@ class Renderer {
   explicit Renderer(const AssetView& asset, gl::ResetStatus lost = nullptr);
   ~Renderer();
 
+  // From here on draws `asset`. Shader programs are kept, and textures that both assets have; the one before
+  // must still be there. Throws ContextLost; `asset` is then drawn in the next context.
+  void show(const AssetView& asset);
+
   // Poses, weighs and draws; the picture has 4 channels, sRGB-encoded, row 0 on top. Throws pipeline::Error:
   // kBadUsage for an option or an input that does not fit the asset, kEnvironment where the tier or the
   // memory for the picture cannot be had; ContextLost.
@@ -82,7 +86,7 @@ class Renderer {
   void check();  // throws ContextLost
   [[noreturn]] void lose(const char* how);
 
-  const AssetView& asset_;
+  const AssetView* asset_;
   gl::ResetStatus asked_;
   Tier tier_ = Tier::kGpu, first_ = Tier::kGpu;  // `first_`: the tiers before it were lost
   std::unique_ptr<State> state_;                 // null: to be made anew

@@ -39,6 +39,8 @@ glm::vec3 paintedColor(const AssetView& asset, const Part& part, uint32_t v) {
   return {linear(c.x), linear(c.y), linear(c.z)};
 }
 
+}  // namespace
+
 // Like a photographer: a subject of bright albedo gets less light into the picture, so that its form is not
 // burnt out; dark ones stay dark. The mean is that of the vertices.
 float exposureOf(const AssetView& asset) {
@@ -53,8 +55,6 @@ float exposureOf(const AssetView& asset) {
   const double mean = sum / std::max(asset.vertexCount(), 1u);
   return static_cast<float>(mean > kAlbedo ? kAlbedo / mean : 1.0);
 }
-
-}  // namespace
 
 void checkPicture(const AssetView& asset, const FrameInput& input, const RenderOptions& options) {
   const auto fail = [](const std::string& wrong) {
@@ -80,7 +80,7 @@ void checkPicture(const AssetView& asset, const FrameInput& input, const RenderO
     fail("the camera has no distance or no field of view");
 }
 
-gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options) {
+gpu::Scene sceneOf(const RenderOptions& options, float exposure) {
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   const Camera& camera = options.camera;
   const CameraFrame frame = cameraFrame(camera, aspect);
@@ -101,7 +101,7 @@ gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options) {
   scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.15f);
   scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
   scene.lights[2] = light(0.6f, 0.35f, -0.75f, 0.85f);
-  scene.up = glm::vec4(frame.up, exposureOf(asset));
+  scene.up = glm::vec4(frame.up, exposure);
 
   // The shadow map spans twice what the picture shows at the target, for what lies before and behind it;
   // casters before it are clamped onto it.
@@ -117,7 +117,6 @@ gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options) {
   scene.size = {static_cast<float>(options.width), static_cast<float>(options.height),
                 spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
   scene.layer = options.layer;
-  scene.layers = asset.layerCount();
   scene.given_values = options.view == View::kMask && !options.mask.empty();
   return scene;
 }

@@ -17,7 +17,11 @@ inline constexpr float kStrokeLength = 0.9f;   // of their spacing
 // Throws pipeline::Error (kBadUsage) for an option or an input that does not fit the asset.
 void checkPicture(const AssetView& asset, const FrameInput& input, const RenderOptions& options);
 
-gpu::Scene sceneOf(const AssetView& asset, const RenderOptions& options);
+// Of the light, so that a bright subject is not burnt out. Looks at every vertex.
+float exposureOf(const AssetView& asset);
+
+// Without the layers that show.
+gpu::Scene sceneOf(const RenderOptions& options, float exposure);
 
 // The colour a part is drawn in, linear, times those of its vertices. White says that nobody gave it one: it
 // becomes clay.

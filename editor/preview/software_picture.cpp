@@ -274,7 +274,7 @@ Image softwarePicture(const AssetView& asset, const FrameInput& input, const Ren
     throw Error(Exit::kEnvironment, "picture", why, "use --shading alpha or none, or another view");
   CpuFrame frame(asset);
   frame.run(input);
-  const gpu::Scene scene = sceneOf(asset, options);
+  const gpu::Scene scene = sceneOf(options, exposureOf(asset));
   Rasteriser rasteriser(threads);
   RasterJob job;
   job.asset = &asset;

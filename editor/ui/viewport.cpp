@@ -46,10 +46,12 @@ class Key {
 
 void Pane::hold(const std::shared_ptr<Shown>& shown) {
   if (shown_ == shown && renderer_) return;
-  renderer_.reset();
-  shown_ = shown;
-  renderer_ = std::make_unique<preview::Renderer>(shown->view());
+  const std::shared_ptr<Shown> before = std::exchange(shown_, shown);  // the renderer looks at it once more
   key_ = 0;
+  if (renderer_)
+    renderer_->show(shown->view());
+  else
+    renderer_ = std::make_unique<preview::Renderer>(shown->view());
 }
 
 void Pane::release() {

@@ -174,6 +174,39 @@ TEST_F(RendererTest, SamePictureEveryTime) {
   EXPECT_EQ(render(second, optionsFor(View::kBeauty), {0.2f, 0.4f}).pixels, a.pixels);
 }
 
+TEST_F(RendererTest, AnotherAssetIsShownAsIfItWereTheFirst) {
+  const BallAsset ball, same, plain({.maps = false}), by_vertex({.masks = false});
+  preview::Renderer renderer(ball.view());
+  const Pose pose{0.2f, 0.4f};
+  const std::vector<float> painted(ball.view().vertexCount(), 0.5f);
+  for (const BallAsset* next : {&same, &plain, &ball, &by_vertex, &same}) {
+    RenderOptions options = optionsFor(View::kBeauty);
+    options.mask = painted;
+    render(renderer, options, pose);  // leaves as much behind as a picture can
+    render(renderer, optionsFor(View::kDirection), pose);
+    renderer.show(next->view());
+    preview::Renderer fresh(next->view());
+    for (Tier tier : {Tier::kCpu, Tier::kGpuRaster})
+      for (View view : {View::kBeauty, View::kDirection, View::kMask}) {
+        options = optionsFor(view);
+        options.tier = tier;
+        const Image expected = render(fresh, options, pose);
+        EXPECT_EQ(render(renderer, options, pose).pixels, expected.pixels);
+      }
+  }
+}
+
+TEST_F(RendererTest, AnotherAssetAfterALossIsDrawnInTheContextThatIsThere) {
+  const BallAsset ball, other({.maps = false});
+  preview::Renderer renderer(ball.view(), reportedReset);
+  render(renderer, optionsFor(View::kBeauty));
+  resets_to_report = 1;
+  EXPECT_THROW(renderer.show(other.view()), preview::ContextLost);
+  preview::Renderer fresh(other.view());
+  const Image expected = render(fresh, optionsFor(View::kBeauty));
+  EXPECT_EQ(render(renderer, optionsFor(View::kBeauty)).pixels, expected.pixels);
+}
+
 TEST_F(RendererTest, SqueezeRaisesLinesAcrossItAndRestDoesNot) {
   const BallAsset ball;
   preview::Renderer renderer(ball.view());

@@ -17,8 +17,6 @@ float shadowAt(vec3 position, vec3 normal) {
   return keyShare(lit / 9.0, cosine, at.xy);
 }
 
-float component(vec4 values[4], uint layer) { return values[layer / 4u][layer % 4u]; }
-
 vec3 light(vec3 base, vec3 form, vec3 n, vec3 v, float cavity, float roughness, float shadow) {
   return kBlinn ? shadeBlinn(scene.lights, scene.up.xyz, base, form, n, v, cavity, roughness, shadow)
                 : shade(scene.lights, scene.up.xyz, base, form, n, v, cavity, roughness, shadow);
@@ -79,12 +77,12 @@ void main() {
   if (!kMaps || kShading == kShadingAlpha || kShading == kShadingNone) {
     float crease = 1.0;
     for (uint i = 0u; i < scene.layers && kShading != kShadingNone; ++i) {
-      float w = component(vertex.weights, i);
+      float w = FURROW_WEIGHT(i);
       if (!kMaps) {
         crease *= 1.0 - max(w, 0.0) * kVertexShade;
       } else {
         FurrowWrinkles one = furrowBegin(vec3(0.0, 0.0, 1.0));
-        furrowAddLayer(one, w, material.slices[i], vertex.uv);
+        furrowAddLayer(one, w, FURROW_SLICES(i), vertex.uv);
         crease *= one.shading;
       }
     }
@@ -97,11 +95,11 @@ void main() {
     vec3 plain = light(base, form, smooth_normal, v, 1.0, material.roughness, shadow);
     vec3 total = plain;
     for (uint i = 0u; i < scene.layers; ++i) {
-      float w = component(vertex.weights, i);
-      float I = abs(furrowMaskedWeight(w, material.slices[i], vertex.uv));
+      float w = FURROW_WEIGHT(i);
+      float I = abs(furrowMaskedWeight(w, FURROW_SLICES(i), vertex.uv));
       if (I == 0.0) continue;
       FurrowWrinkles full = furrowBegin(own);
-      uvec4 unmasked = uvec4(material.slices[i].xy, FURROW_NO_SLICE, 0u);
+      uvec4 unmasked = uvec4(FURROW_SLICES(i).xy, FURROW_NO_SLICE, 0u);
       furrowAddLayer(full, sign(w), unmasked, vertex.uv);
       vec3 n = normalize(frame * furrowNormal(full));
       vec3 bumped = light(base, form, n, v, full.shading, material.roughness, shadow);

@@ -22,9 +22,13 @@ vec4 baseMap(sampler2DArray map, vec4 columns, vec2 begin) {
   mat2 turn = mat2(columns.xy, columns.zw);
   return textureGrad(map, vec3(turn * vertex.uv + begin, 0.0), turn * uv_dx, turn * uv_dy);
 }
+
+float component(vec4 values[4], uint layer) { return values[layer / 4u][layer % 4u]; }
+uint shownLayer(uint i) { return scene.shown_layers[i / 4u][i % 4u]; }
+
 #define FURROW_WINDOW(slice) material.windows[slice]
-#define FURROW_WEIGHT(layer) vertex.weights[layer / 4u][layer % 4u]
-#define FURROW_SLICES(layer) material.slices[layer]
+#define FURROW_WEIGHT(i) component(vertex.weights, shownLayer(i))
+#define FURROW_SLICES(i) material.slices[shownLayer(i)]
 #define FURROW_NORMAL(at, slice, zoom) \
   textureGrad(normal_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).xy
 #define FURROW_SHADING(at, slice, zoom) \

@@ -1,0 +1,48 @@
+#include "editor/preview/programs.h"
+
+#include <epoxy/gl.h>
+
+#include <string>
+
+#include "editor/preview/shaders/scene.h"
+#include "preview_shaders.h"
+
+namespace furrow::preview {
+
+static_assert(gpu::kMaxPreviewLayers == kMaxLayers);
+static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
+              gpu::kViewMorph == static_cast<uint32_t>(View::kMorph));
+
+Programs::Programs()
+    : shadow(makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment})),
+      background(makeProgram("background", {shaders::kBackgroundVertex}, {},
+                             {shaders::kFurrowShade, shaders::kLighting, shaders::kBackgroundFragment})),
+      stroke(makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry},
+                         {shaders::kStrokeFragment})) {}
+
+uint32_t Programs::surface(const RenderOptions& options, bool maps, bool base_color, bool base_normal) {
+  // Only the beauty view knows shadings.
+  const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
+  GlObject& program = surface_[{options.view, shading, options.lighting, maps, base_color, base_normal}];
+  if (program) return program;
+  const auto truth = [](bool value) { return value ? "true" : "false"; };
+  const std::string constants =
+      "const uint kView = " + std::to_string(static_cast<uint32_t>(options.view)) +
+      "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
+      "u;\nconst bool kBlinn = " + truth(options.lighting == Lighting::kBlinn) +
+      ";\nconst bool kMaps = " + truth(maps) + ";\nconst bool kBaseColor = " + truth(base_color) +
+      ";\nconst bool kBaseNormal = " + truth(base_normal) + ";\n";
+  program = makeProgram("surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
+                        {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kLighting,
+                         shaders::kSurfaceFragment});
+  glUseProgram(program);
+  glUniform1i(glGetUniformLocation(program, "normal_maps"), kNormalMaps);
+  glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
+  glUniform1i(glGetUniformLocation(program, "mask_maps"), kMaskMaps);
+  glUniform1i(glGetUniformLocation(program, "shadow_map"), kShadowMap);
+  glUniform1i(glGetUniformLocation(program, "base_color_map"), kBaseColorMap);
+  glUniform1i(glGetUniformLocation(program, "base_normal_map"), kBaseNormalMap);
+  return program;
+}
+
+}  // namespace furrow::preview
