@@ -210,17 +210,18 @@ HWY_INLINE void storeSideBySide(Lanes (&q)[kLayers], float* out) {
     storeBlocks(hn::InterleaveLower(D(), q[0], q[1]), out, 8);
     storeBlocks(hn::InterleaveUpper(D(), q[0], q[1]), out + 4, 8);
   } else {
+    Lanes rows[kLayers];  // four layers of every fourth triangle each
     for (uint32_t l = 0; l < kLayers; l += 4) {
       transpose(q[l], q[l + 1], q[l + 2], q[l + 3]);
-      for (uint32_t i = 0; i < 4; ++i) storeBlocks(q[l + i], out + kLayers * i + l, 4 * kLayers);
+      for (uint32_t i = 0; i < 4; ++i) rows[(kLayers * i + l) / 4] = q[l + i];
     }
+    for (uint32_t i = 0; i < kLayers; i += kBlocks) storeColumns(rows + i, out + 4 * i, 4 * kLayers);
   }
 }
 
 #endif
 
-// The memory of the next cluster is fetched while one is worked on, in equal steps, into the second cache:
-// the first is full of the cluster at hand.
+// The memory of the next cluster is fetched while one is worked on, in equal steps.
 class Ahead {
  public:
   Ahead(const ClusterFrameJob& job, const Cluster& c, const Cluster& next)
@@ -244,7 +245,7 @@ class Ahead {
   static constexpr uint32_t kFetchEvery = 2;  // neighbouring slots mostly share a cache line
   HWY_INLINE static void fetch(const void* at) {
 #if HWY_ARCH_X86
-    _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T1);
+    _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0);
 #else
     hwy::Prefetch(at);
 #endif
@@ -362,7 +363,15 @@ HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, floa
 
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
-  return loadBlocks([&](int i) HWY_ATTR { return positions + corner[12 * i]; });
+  const auto at = [&](int i) HWY_ATTR { return positions + corner[12 * i]; };
+#if HWY_MAX_BYTES >= 64  // loads that blend leave the shuffles their ports
+  __m512 blocks = _mm512_castps128_ps512(_mm_loadu_ps(at(0)));
+  blocks = _mm512_mask_broadcast_f32x4(blocks, 0x00f0, _mm_loadu_ps(at(1)));
+  blocks = _mm512_mask_broadcast_f32x4(blocks, 0x0f00, _mm_loadu_ps(at(2)));
+  return Lanes{_mm512_mask_broadcast_f32x4(blocks, 0xf000, _mm_loadu_ps(at(3)))};
+#else
+  return loadBlocks(at);
+#endif
 }
 
 // Edges of kWidth triangles by coordinate.

@@ -359,7 +359,10 @@ Status Clusters::build(const AssetView& source, const ClusterLimits& limits) try
   built.asset = &source;
   if (source.influences == 0 || source.influences > kMostInfluences)
     return Status::error(StatusCode::kUnavailable, "%u influences a vertex", source.influences);
-  if (Status status = Builder(source, limits, built).build(); !status.ok()) return status;
+  ClusterLimits most = limits;
+  if (most.points == 0)
+    most.points = std::clamp(source.pointCount() / kThreadClusters, kFineClusterPoints, kClusterPoints);
+  if (Status status = Builder(source, most, built).build(); !status.ok()) return status;
   for (const Cluster& c : built.clusters)
     built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c, source.layerCount()));
   *this = std::move(built);

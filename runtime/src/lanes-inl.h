@@ -170,6 +170,25 @@ HWY_INLINE void storeBlocks(Lanes a, float* p, size_t step) {
   store(a, p);
 #endif
 }
+// Block i of all kBlocks vectors side by side at `p + i * step`.
+HWY_INLINE void storeColumns(const Lanes* a, float* p, size_t step) {
+#if HWY_MAX_BYTES >= 64
+  const __m512 low01 = _mm512_shuffle_f32x4(a[0].raw, a[1].raw, 0x44),
+               high01 = _mm512_shuffle_f32x4(a[0].raw, a[1].raw, 0xee),
+               low23 = _mm512_shuffle_f32x4(a[2].raw, a[3].raw, 0x44),
+               high23 = _mm512_shuffle_f32x4(a[2].raw, a[3].raw, 0xee);
+  _mm512_storeu_ps(p, _mm512_shuffle_f32x4(low01, low23, 0x88));
+  _mm512_storeu_ps(p + step, _mm512_shuffle_f32x4(low01, low23, 0xdd));
+  _mm512_storeu_ps(p + 2 * step, _mm512_shuffle_f32x4(high01, high23, 0x88));
+  _mm512_storeu_ps(p + 3 * step, _mm512_shuffle_f32x4(high01, high23, 0xdd));
+#elif HWY_MAX_BYTES >= 32
+  store(hn::ConcatLowerLower(D(), a[1], a[0]), p);
+  store(hn::ConcatUpperUpper(D(), a[1], a[0]), p + step);
+#else
+  (void)step;
+  store(a[0], p);
+#endif
+}
 HWY_INLINE Lanes fromUint16(const uint16_t* p) {
   const hn::Rebind<uint16_t, D> d16;
   const hn::Rebind<int32_t, D> d32;

@@ -3,7 +3,7 @@
 // The clustered frame: pose, compress, smooth and respond in one pass over the surface, the fast path of the
 // cpu tier. The staged jobs (jobs.h) are its reference: the weights are the same bits.
 //
-// The surface is cut into clusters of points that fit a core's first cache. A cluster holds the points it
+// The surface is cut into clusters of points that fit a core's own caches. A cluster holds the points it
 // owns, a halo of points that their rings reach (posed again rather than waited for) and the triangles of its
 // points' rings, so that nothing passes between stages through memory and clusters depend on nothing but the
 // pose.
@@ -18,8 +18,12 @@
 
 namespace furrow {
 
-// Points a cluster owns at most, so that positions and q of a cluster stay in 32 KiB.
-inline constexpr uint32_t kClusterPoints = 896;
+// Points a cluster owns at most: larger ones repeat less of their neighbours, and what a core works on, 80
+// KiB for a layer, stays in its second cache. Assets of fewer than 16 such clusters are cut finer, for the
+// sake of threads that share them.
+inline constexpr uint32_t kClusterPoints = 2048;
+inline constexpr uint32_t kFineClusterPoints = 896;
+inline constexpr uint32_t kThreadClusters = 16;
 
 // Triangles are measured this many at a time: their coefficients lie side by side, first the first of each.
 inline constexpr uint32_t kTriangleLanes = 16;
@@ -30,9 +34,9 @@ inline constexpr uint32_t kPoseLanes = 16;
 
 // What a cluster may hold.
 struct ClusterLimits {
-  uint32_t points = kClusterPoints;  // owned
-  uint32_t slots = 16384;            // at most so many: a corner is 4 * slot in 16 bits
-  uint32_t triangles = 65520;        // at most so many: a ring entry has 16 bits
+  uint32_t points = 0;         // owned; 0: what suits a CPU, kFineClusterPoints to kClusterPoints
+  uint32_t slots = 16384;      // at most so many: a corner is 4 * slot in 16 bits
+  uint32_t triangles = 65520;  // at most so many: a ring entry has 16 bits
 };
 
 // Takes memory at cache lines.
