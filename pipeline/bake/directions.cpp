@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "pipeline/bake/nearest.h"
 #include "pipeline/bake/rest_view.h"
@@ -18,6 +19,42 @@ constexpr double kDetail = 0.02;       // of the surface's size: evidence is smo
 constexpr double kGuidePull = 100.0;   // of a curve, against the reach of the field
 constexpr double kFarGuide = 0.1;      // of the surface's size
 constexpr double kMostSamples = 4096;  // of a segment
+
+void addGuides(const Surface& surface, const NearestTriangle& nearest,
+               std::span<const std::array<glm::dvec3, 2>> segments, LineField& field) {
+  const auto find = [&](glm::dvec3 p) {
+    const auto found = nearest.find(p);
+    if (found.distance > kFarGuide * field.size()) {
+      char text[160];
+      std::snprintf(text, sizeof text,
+                    "a guide curve at (%g, %g, %g) is %.3g from its surface, which is %.3g across", p.x, p.y,
+                    p.z, found.distance, field.size());
+      throw std::runtime_error(text);
+    }
+    return found;
+  };
+  const double step = 0.5 * nearest.meanEdge();
+  double length = 0.0;
+  for (const auto& [begin, end] : segments) {
+    find(begin);
+    find(end);
+    const double whole = glm::distance(begin, end);
+    length += whole;
+    const double samples = std::clamp(std::ceil(whole / step), 1.0, kMostSamples);
+    for (double i = 0.5; i < samples; ++i) {
+      const auto at = find(begin + (end - begin) * (i / samples));
+      const glm::uvec3 v = surface.triangles[at.triangle];
+      const TriangleFrame frame =
+          triangleFrame(surface.positions[v.x], surface.positions[v.y], surface.positions[v.z]);
+      const Complex along(glm::dot(end - begin, frame.x), glm::dot(end - begin, frame.y));
+      const double square = std::norm(along);
+      if (square > 1e-12 * whole * whole)  // across is along turned by a quarter, so doubled by a half
+        field.add(at.triangle, at.barycentric, -along * along / square,
+                  kGuidePull / field.reach() * whole / samples);
+    }
+  }
+  if (!(length > 1e-9 * field.size())) throw std::runtime_error("its guide curves have no length");
+}
 
 }  // namespace
 
@@ -57,7 +94,7 @@ DirectionField directionsFromTensors(const Surface& surface, const std::vector<b
     const Complex line = Complex(tensor.x - tensor.z, 2.0 * tensor.y) / trace;
     field.add(t, glm::dvec3(1.0 / 3.0), line, areaOf(t) / (detail * detail) * trace / (trace + typical));
   }
-  return field.solve();
+  return std::move(field).solve();
 }
 
 LineTensors tensorsOfVectors(const Surface& surface, const std::vector<glm::vec3>& vectors) {
@@ -79,40 +116,8 @@ LineTensors tensorsOfVectors(const Surface& surface, const std::vector<glm::vec3
 DirectionField directionsFromGuides(const Surface& surface, const std::vector<bool>& covered,
                                     std::span<const std::array<glm::dvec3, 2>> segments) {
   LineField field(surface, covered);
-  const NearestTriangle nearest(surface, covered);
-  const auto find = [&](glm::dvec3 p) {
-    const auto found = nearest.find(p);
-    if (found.distance > kFarGuide * field.size()) {
-      char text[160];
-      std::snprintf(text, sizeof text,
-                    "a guide curve at (%g, %g, %g) is %.3g from its surface, which is %.3g across", p.x, p.y,
-                    p.z, found.distance, field.size());
-      throw std::runtime_error(text);
-    }
-    return found;
-  };
-  const double step = 0.5 * nearest.meanEdge();
-  double length = 0.0;
-  for (const auto& [begin, end] : segments) {
-    find(begin);
-    find(end);
-    const double whole = glm::distance(begin, end);
-    length += whole;
-    const double samples = std::clamp(std::ceil(whole / step), 1.0, kMostSamples);
-    for (double i = 0.5; i < samples; ++i) {
-      const auto at = find(begin + (end - begin) * (i / samples));
-      const glm::uvec3 v = surface.triangles[at.triangle];
-      const TriangleFrame frame =
-          triangleFrame(surface.positions[v.x], surface.positions[v.y], surface.positions[v.z]);
-      const Complex along(glm::dot(end - begin, frame.x), glm::dot(end - begin, frame.y));
-      const double square = std::norm(along);
-      if (square > 1e-12 * whole * whole)  // across is along turned by a quarter, so doubled by a half
-        field.add(at.triangle, at.barycentric, -along * along / square,
-                  kGuidePull / field.reach() * whole / samples);
-    }
-  }
-  if (!(length > 1e-9 * field.size())) throw std::runtime_error("its guide curves have no length");
-  return field.solve();
+  addGuides(surface, NearestTriangle(surface, covered), segments, field);
+  return std::move(field).solve();
 }
 
 }  // namespace furrow::pipeline

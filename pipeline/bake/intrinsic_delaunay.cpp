@@ -7,9 +7,8 @@
 namespace furrow::pipeline {
 namespace {
 
-using Side = uint32_t;  // 3 * triangle + the corner that it faces
+using Side = uint32_t;
 
-constexpr Side kNone = ~0u;
 constexpr double kAlmost = 1e-9;   // of a cotangent: the halves of a rectangle are not flipped to and fro
 constexpr size_t kMostFlips = 32;  // a side; surfaces take about one
 
@@ -26,20 +25,24 @@ double doubleArea(const std::array<double, 3>& lengths) {
 class Flipper {
  public:
   explicit Flipper(std::vector<IntrinsicTriangle>& triangles)
-      : triangles_(triangles), twin_(3 * triangles.size(), kNone), waits_(twin_.size(), true) {
+      : triangles_(triangles), twin_(3 * triangles.size(), kNoSide), waits_(twin_.size(), false) {
     pairSides();
-    for (Side side = 0; side < twin_.size(); ++side) queue_.push_back(side);
   }
 
-  void run() {
-    for (size_t flips = 0; !queue_.empty() && flips < kMostFlips * twin_.size();) {
-      const Side side = queue_.back();
-      queue_.pop_back();
-      waits_[side] = false;
-      if (isDelaunay(side)) continue;
-      flip(side);
-      ++flips;
+  std::vector<Side> run() {
+    size_t flips = 0;
+    for (Side first = 0; first < twin_.size(); ++first) {
+      wait(first);
+      while (!queue_.empty() && flips < kMostFlips * twin_.size()) {
+        const Side side = queue_.back();
+        queue_.pop_back();
+        waits_[side] = false;
+        if (isDelaunay(side)) continue;
+        flip(side);
+        ++flips;
+      }
     }
+    return std::move(twin_);
   }
 
  private:
@@ -56,11 +59,10 @@ class Flipper {
     for (const IntrinsicTriangle& triangle : triangles_)
       points = std::max(points, 1 + std::ranges::max(triangle.corners));
     std::vector<uint32_t> begin(points + 1, 0);
-    for (Side side = 0; side < twin_.size(); ++side) ++begin[ends(side).first + 1];
+    for (Side side = 0; side < twin_.size(); ++side) ++begin[ends(side).first];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     std::vector<Side> sides(twin_.size());
-    std::vector<uint32_t> free(begin.begin(), begin.end() - 1);
-    for (Side side = 0; side < twin_.size(); ++side) sides[free[ends(side).first]++] = side;
+    for (Side side = 0; side < twin_.size(); ++side) sides[--begin[ends(side).first]] = side;
     for (uint32_t point = 0; point < points; ++point) {
       const auto first = sides.begin() + begin[point], last = sides.begin() + begin[point + 1];
       std::sort(first, last, [&](Side a, Side b) {
@@ -76,7 +78,7 @@ class Flipper {
 
   bool isDelaunay(Side side) const {
     const Side twin = twin_[side];
-    return twin == kNone || twin / 3 == side / 3 || !(cotangent(side) + cotangent(twin) < -kAlmost);
+    return twin == kNoSide || twin / 3 == side / 3 || !(cotangent(side) + cotangent(twin) < -kAlmost);
   }
 
   // Of triangles abc and bad with the common side ab, makes adc and bcd.
@@ -105,7 +107,7 @@ class Flipper {
 
   void pair(Side side, Side other) {
     twin_[side] = other;
-    if (other != kNone) twin_[other] = side;
+    if (other != kNoSide) twin_[other] = side;
   }
 
   void wait(Side side) {
@@ -126,8 +128,8 @@ double IntrinsicTriangle::cotangent(int corner) const {
   return (b * b + c * c - a * a) / (2.0 * doubleArea(lengths));
 }
 
-void makeDelaunay(std::vector<IntrinsicTriangle>& triangles) {
-  Flipper(triangles).run();
+std::vector<uint32_t> makeDelaunay(std::vector<IntrinsicTriangle>& triangles) {
+  return Flipper(triangles).run();
 }
 
 }  // namespace furrow::pipeline

@@ -18,9 +18,12 @@ struct IntrinsicTriangle {
   double cotangent(int corner) const;  // of the angle there
 };
 
+constexpr uint32_t kNoSide = ~0u;
+
 // The triangles have an area. Sides of one triangle, of more than two, and of two that are turned against
 // each other stay as they are. Two points may come to share several sides, and one point to be two corners
-// of a triangle.
-void makeDelaunay(std::vector<IntrinsicTriangle>& triangles);
+// of a triangle. Returns the twin of every side, 3 * triangle + the corner that it faces: the same side in
+// the other triangle; kNoSide where it has none.
+std::vector<uint32_t> makeDelaunay(std::vector<IntrinsicTriangle>& triangles);
 
 }  // namespace furrow::pipeline

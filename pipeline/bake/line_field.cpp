@@ -1,39 +1,41 @@
 #include "pipeline/bake/line_field.h"
 
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <utility>
 
-#include "pipeline/bake/intrinsic_delaunay.h"
-#include "pipeline/bake/multigrid.h"
 #include "pipeline/bake/rest_view.h"
+#include "pipeline/release.h"
 
 namespace furrow::pipeline {
 namespace {
 
 using Complex = LineField::Complex;
 
-constexpr double kReach = 0.25;    // of the covered surface's size
-constexpr double kMostCot = 10.0;  // of slivers
-constexpr double kUnknown = 1e-6;  // |z| below it is rounding
+constexpr double kReach = 0.25;       // of the covered surface's size
+constexpr double kMostWeight = 10.0;  // of an edge at slivers
+constexpr double kUnknown = 1e-6;     // |z| below it is rounding
 
-using EdgeWeights = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+struct Edge {
+  uint32_t a, b;
+  float weight;  // half the sum of the cotangents of the two angles that face it
+};
 
-// Half the sum of the cotangents of an edge's two angles, in the upper triangle.
-EdgeWeights cotangentWeights(std::vector<IntrinsicTriangle> triangles, int count) {
-  makeDelaunay(triangles);
-  std::vector<Eigen::Triplet<double>> cotangents;
-  cotangents.reserve(3 * triangles.size());
-  for (const IntrinsicTriangle& triangle : triangles)
-    for (int c = 0; c < 3; ++c) {
-      const auto [low, high] = std::minmax(triangle.corners[(c + 1) % 3], triangle.corners[(c + 2) % 3]);
-      if (low != high)
-        cotangents.push_back({static_cast<int>(low), static_cast<int>(high), 0.5 * triangle.cotangent(c)});
-    }
-  triangles = {};
-  EdgeWeights edges(count, count);
-  edges.setFromTriplets(cotangents.begin(), cotangents.end());
+std::vector<Edge> weighedEdges(std::vector<IntrinsicTriangle> triangles) {
+  const std::vector<uint32_t> twins = makeDelaunay(triangles);
+  std::vector<Edge> edges;
+  edges.reserve(2 * triangles.size());
+  for (uint32_t side = 0; side < twins.size(); ++side) {
+    const IntrinsicTriangle& triangle = triangles[side / 3];
+    const uint32_t twin = twins[side], a = triangle.corners[(side + 1) % 3],
+                   b = triangle.corners[(side + 2) % 3];
+    if (twin < side || a == b) continue;
+    double cotangents = triangle.cotangent(side % 3);
+    if (twin != kNoSide) cotangents += triangles[twin / 3].cotangent(twin % 3);
+    edges.push_back({a, b, static_cast<float>(std::clamp(0.5 * cotangents, 0.0, kMostWeight))});
+  }
   return edges;
 }
 
@@ -67,7 +69,6 @@ LineField::LineField(const Surface& surface, const std::vector<bool>& covered)
       if (number < 0) {
         number = static_cast<int>(point_.size());
         point_.push_back(p[c]);
-        frames_.push_back(frameOf(surface.point_normals[p[c]]));
         area_.push_back(0.0);
       }
       area_[number] += area / 3.0;
@@ -86,16 +87,18 @@ void LineField::add(size_t triangle, glm::dvec3 barycentric, Complex line, doubl
   const glm::dvec3 normal = glm::cross(frame.x, frame.y);
   for (int c = 0; c < 3; ++c) {
     const int i = unknown_[p[c]];
-    const glm::dvec3 x = turned(frame.x, normal, frames_[i].normal);
-    const Complex turn(glm::dot(x, frames_[i].x), glm::dot(x, frames_[i].y));
+    const Frame at = frameOf(surface_.point_normals[p[c]]);
+    const glm::dvec3 x = turned(frame.x, normal, at.normal);
+    const Complex turn(glm::dot(x, at.x), glm::dot(x, at.y));
     pull_[i] += barycentric[c] * weight * (turn * turn) * line;
     pull_weight_[i] += barycentric[c] * weight;
   }
 }
 
-DirectionField LineField::solve() const {
-  const int count = static_cast<int>(point_.size());
+// Of the covered triangles, with unknowns as points.
+std::vector<IntrinsicTriangle> LineField::intrinsicTriangles() const {
   std::vector<IntrinsicTriangle> triangles;
+  triangles.reserve(static_cast<size_t>(std::ranges::count(covered_, true)));
   for (size_t t = 0; t < surface_.triangles.size(); ++t) {
     if (!covered_[t] || isDegenerate(restView(surface_), t)) continue;
     const glm::uvec3 p = surface_.trianglePoints(t);
@@ -106,38 +109,53 @@ DirectionField LineField::solve() const {
                                           glm::dvec3(surface_.point_positions[p[(c + 2) % 3]]));
     }
   }
-  EdgeWeights edges = cotangentWeights(std::move(triangles), count);
+  return triangles;
+}
 
-  std::vector<Eigen::Triplet<Complex>> entries;
-  entries.reserve(2 * static_cast<size_t>(edges.nonZeros()) + point_.size());
-  std::vector<double> diagonal = pull_weight_;
-  for (int i = 0; i < count; ++i)
-    diagonal[i] += std::max(area_[i], 1e-12 * size_ * size_) / (reach_ * reach_);
-  for (int i = 0; i < edges.outerSize(); ++i)
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator edge(edges, i); edge; ++edge) {
-      const int j = static_cast<int>(edge.col());
-      const double weight = std::clamp(edge.value(), 0.0, kMostCot);
-      const glm::dvec3 x = turned(frames_[j].x, frames_[j].normal, frames_[i].normal);
-      const Complex turn(glm::dot(x, frames_[i].x), glm::dot(x, frames_[i].y));
-      const double length = std::norm(turn);
-      const Complex r = length > 1e-12 ? turn * turn / length : Complex(1.0, 0.0);
-      entries.push_back({i, j, -weight * r});
-      entries.push_back({j, i, -weight * std::conj(r)});
-      diagonal[i] += weight;
-      diagonal[j] += weight;
-    }
-  for (int i = 0; i < count; ++i) entries.push_back({i, i, Complex(diagonal[i], 0.0)});
-  edges = {};
-  HermitianMatrix matrix(count, count);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  entries = {};
-  const Eigen::VectorXcd z = solveMultigrid(matrix, Eigen::VectorXcd::Map(pull_.data(), count));
+Equations LineField::equations() const {
+  const std::vector<Edge> edges = weighedEdges(intrinsicTriangles());
+  const size_t count = point_.size();
+  Equations a;
+  a.begins.assign(count + 1, 0);
+  for (const Edge& edge : edges) {
+    ++a.begins[edge.a];
+    ++a.begins[edge.b];
+  }
+  std::partial_sum(a.begins.begin(), a.begins.end(), a.begins.begin());
+  a.entries.resize(2 * edges.size());
+  a.diagonal.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    a.diagonal[i] = pull_weight_[i] + std::max(area_[i], 1e-12 * size_ * size_) / (reach_ * reach_);
+  for (const auto& [i, j, weight] : edges) {
+    const Frame to = frameOf(surface_.point_normals[point_[i]]),
+                from = frameOf(surface_.point_normals[point_[j]]);
+    const glm::dvec3 x = turned(from.x, from.normal, to.normal);
+    const Complex turn(glm::dot(x, to.x), glm::dot(x, to.y));
+    const double length = std::norm(turn);
+    const Complex entry = -double{weight} * (length > 1e-12 ? turn * turn / length : Complex(1.0, 0.0));
+    const std::complex<float> rounded(static_cast<float>(entry.real()), static_cast<float>(entry.imag()));
+    a.entries[--a.begins[i]] = {j, rounded};
+    a.entries[--a.begins[j]] = {i, std::conj(rounded)};
+    const double stored = std::abs(Complex(rounded));  // so that rounding adds nothing to the small diagonal
+    a.diagonal[i] += stored;
+    a.diagonal[j] += stored;
+  }
+  for (size_t i = 0; i < count; ++i)
+    std::sort(a.entries.begin() + a.begins[i], a.entries.begin() + a.begins[i + 1],
+              [](const auto& one, const auto& other) { return one.column < other.column; });
+  return a;
+}
+
+DirectionField LineField::solve() && {
+  const Equations a = equations();
+  release(area_, pull_weight_);
+  const std::vector<Complex> z = solveMultigrid(a, std::move(pull_));
 
   DirectionField field;
   field.direction.assign(unknown_.size(), glm::vec3(0.0f));
   field.confidence.assign(unknown_.size(), 0.0f);
-  for (int i = 0; i < count; ++i) {
-    const Frame& frame = frames_[i];
+  for (size_t i = 0; i < z.size(); ++i) {
+    const Frame frame = frameOf(surface_.point_normals[point_[i]]);
     const double length = std::abs(z[i]);
     const bool known = std::isfinite(length) && length > kUnknown;
     // Up, where nothing is known.

@@ -5,6 +5,8 @@
 #include <complex>
 #include <vector>
 
+#include "pipeline/bake/intrinsic_delaunay.h"
+#include "pipeline/bake/multigrid.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/surface.h"
 
@@ -36,8 +38,8 @@ class LineField {
   void add(size_t triangle, glm::dvec3 barycentric, Complex line, double weight);
 
   // Confidence is |z|. Where nothing is known the direction is +Y (or any, where that is the normal) with
-  // confidence 0; at points of no covered triangle it is zero.
-  DirectionField solve() const;
+  // confidence 0; at points of no covered triangle it is zero. Uses up the evidence.
+  DirectionField solve() &&;
 
  private:
   struct Frame {
@@ -45,12 +47,13 @@ class LineField {
   };
   static Frame frameOf(glm::dvec3 normal);
   static glm::dvec3 turned(glm::dvec3 v, glm::dvec3 from_normal, glm::dvec3 to_normal);
+  std::vector<IntrinsicTriangle> intrinsicTriangles() const;
+  Equations equations() const;
 
   const Surface& surface_;
   const std::vector<bool>& covered_;
   std::vector<int> unknown_;     // a point, -1: not covered
   std::vector<uint32_t> point_;  // an unknown
-  std::vector<Frame> frames_;
   std::vector<double> area_;
   std::vector<Complex> pull_;        // sum of weight * line
   std::vector<double> pull_weight_;  // sum of weight

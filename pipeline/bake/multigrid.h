@@ -2,16 +2,33 @@
 
 // Linear equations on large meshes in linear time.
 
-#include <Eigen/SparseCore>
 #include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace furrow::pipeline {
 
-using HermitianMatrix = Eigen::SparseMatrix<std::complex<double>, Eigen::RowMajor>;
+// A connection Laplacian plus a positive diagonal: Hermitian and positive definite, with a_ij minus the
+// weight of an edge times the turn from j to i. 12 bytes an entry, half of them in single precision, so that
+// millions of points fit.
+struct Equations {
+  struct Entry {
+    uint32_t column;
+    std::complex<float> value;
+  };
+  std::vector<double> diagonal;
+  std::vector<uint32_t> begins;  // a row and one: of its entries
+  std::vector<Entry> entries;    // but the diagonal; by column in a row, which may stand there several times
+
+  uint32_t rows() const { return static_cast<uint32_t>(diagonal.size()); }
+  std::span<const Entry> row(uint32_t i) const {
+    return std::span(entries).subspan(begins[i], begins[i + 1] - begins[i]);
+  }
+};
 
 // Solves a x = b to a residual of 1e-5 |b|: conjugate gradients, preconditioned by a cycle over aggregates of
-// neighbours. `a` is a connection Laplacian plus a positive diagonal: Hermitian, positive definite, a_ij
-// minus the weight of an edge times the turn from j to i.
-Eigen::VectorXcd solveMultigrid(const HermitianMatrix& a, const Eigen::VectorXcd& b);
+// neighbours.
+std::vector<std::complex<double>> solveMultigrid(const Equations& a, std::vector<std::complex<double>> b);
 
 }  // namespace furrow::pipeline

@@ -18,6 +18,7 @@ class NearestTriangle {
     double distance = 0.0;
   };
 
+  // `surface` outlives it.
   NearestTriangle(const Surface& surface, const std::vector<bool>& covered);
   ~NearestTriangle();
 
@@ -25,7 +26,7 @@ class NearestTriangle {
   double meanEdge() const { return mean_edge_; }
 
  private:
-  struct Tree;
+  class Tree;
   std::unique_ptr<Tree> tree_;
   double mean_edge_ = 0.0;
 };

@@ -19,6 +19,7 @@
 #include "pipeline/import/import.h"
 #include "pipeline/parallel.h"
 #include "pipeline/recipe/arkit.h"
+#include "pipeline/release.h"
 #include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {
@@ -54,7 +55,6 @@ class Cook {
         packed_.parts[i].base_maps = base_maps_.of_material[scene_.parts[i].material];
     release(source_rest);
     stage("measuring the animation");
-    Rings rings = makeRings(restView(packed_.surface));
     Squeeze squeeze;
     if (needsSqueeze()) {
       squeeze = measureSqueeze(scene_, packed_.surface, packed_.source_vertex);
@@ -73,7 +73,7 @@ class Cook {
                 [&](uint32_t l) { layers[l] = bakeLayer(input, recipe_.layers[l], images[l]); });
     for (const auto& files : images) dependencies_.insert(dependencies_.end(), files.begin(), files.end());
     resolveNames();
-    fitResponses(rings, layers);
+    fitResponses(layers);
     reportConfidence(squeeze, layers);
     for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
@@ -88,7 +88,7 @@ class Cook {
                                packed_.parts, packed_.source_vertex, packed_.colors, packed_.place_points,
                                packed_.influences, packed_.position_error});
     report();
-    release(rings, squeeze, layers, sets, packed_.surface, packed_.parts, weld_, packed_.source_vertex,
+    release(squeeze, layers, sets, packed_.surface, packed_.parts, weld_, packed_.source_vertex,
             scene_.primitives);
     stage("loading it again");
     Asset loaded;
@@ -247,7 +247,7 @@ class Cook {
     }
   }
 
-  void fitResponses(const Rings& rings, const std::vector<BakedLayer>& layers) {
+  void fitResponses(const std::vector<BakedLayer>& layers) {
     std::vector<size_t> fitted;
     std::vector<MeasuredLayer> measured;
     for (size_t l = 0; l < layers.size(); ++l) {
@@ -257,6 +257,7 @@ class Cook {
       measured.push_back({recipe_.layers[l].measure, layers[l].coefficients});
     }
     if (!fitted.empty()) {
+      const Rings rings = makeRings(restView(packed_.surface));
       const auto alpha = largestAlpha(scene_, packed_.surface, packed_.source_vertex, rings, measured);
       for (size_t i = 0; i < fitted.size(); ++i)
         fitLayer(fitted[i], percentile95(packed_.surface, layers[fitted[i]].covered,

@@ -8,6 +8,7 @@
 
 #include "pipeline/bake/rest_view.h"
 #include "pipeline/bake/tangents.h"
+#include "pipeline/release.h"
 #include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {
@@ -146,7 +147,8 @@ class Packer {
     for (size_t i = 0; i < decoded.size(); ++i) {
       Primitive& primitive = scene_.primitives[i];
       if (!decoded[i].empty()) primitive.positions = std::move(decoded[i]);
-      release(primitive.normals, primitive.tangents, primitive.uvs);  // the surface has them from here on
+      // The surface has them from here on.
+      release(primitive.normals, primitive.tangents, primitive.uvs, primitive.indices);
     }
   }
 

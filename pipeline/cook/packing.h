@@ -38,17 +38,11 @@ struct RestPose {
 };
 
 // Packs every part and gives the scene the positions that the runtime will decode, so that all that follows
-// is baked from those. `before`: the rest pose's positions until then. The scene's normals, tangents and UVs
-// and the weld's vertices are given back: the surface has them.
+// is baked from those. `before`: the rest pose's positions until then. The scene's normals, tangents, UVs
+// and indices and the weld's vertices are given back: the surface has them.
 Packing packScene(SourceScene& scene, Weld& weld, const Recipe& recipe, const RestPose& rest,
                   const std::vector<glm::vec3>& before, GeometryCodec codec);
 
 std::span<const glm::uvec3> trianglesOf(const Primitive& primitive);
-
-// Gives memory back; a vector keeps it when it is merely cleared.
-template <typename... T>
-void release(T&... values) {
-  ((values = T()), ...);
-}
 
 }  // namespace furrow::pipeline

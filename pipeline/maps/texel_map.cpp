@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <utility>
 
 #include "pipeline/scene/rig.h"
 
@@ -22,11 +23,14 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-// An edge by its vertices, and which side of it its triangle's third corner is on in UV.
+// An edge of a triangle, from `corner` to the next one.
 struct Edge {
-  uint32_t low = 0, high = 0;
-  uint32_t triangle = 0, corner = 0;  // from `corner` to the next one
-  int side = 0;
+  uint32_t triangle = 0, corner = 0;
+
+  std::pair<uint32_t, uint32_t> ends(const Surface& surface) const {
+    const glm::uvec3 v = surface.triangles[triangle];
+    return std::minmax({v[corner], v[(corner + 1) % 3]});
+  }
 };
 
 class Mapper {
@@ -193,29 +197,36 @@ class Mapper {
 
 // By vertices, then triangle.
 std::vector<Edge> sortedEdges(const Surface& surface, const SurfacePart& part) {
-  const auto eachEdge = [&](const auto& visit) {
-    for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t) {
-      const glm::uvec3 v = surface.triangles[t];
-      const glm::dvec2 a = surface.uvs[v[0]], b = surface.uvs[v[1]], c = surface.uvs[v[2]];
-      const double area = cross(b - a, c - a);
-      for (uint32_t i = 0; i < 3; ++i) {
-        const uint32_t from = v[i], to = v[(i + 1) % 3];
-        const int turn = area > 0.0 ? 1 : area < 0.0 ? -1 : 0;
-        visit(Edge{std::min(from, to), std::max(from, to), t, i, from < to ? turn : -turn});
+  const auto each = [&](const auto& visit) {
+    for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t)
+      for (uint32_t corner = 0; corner < 3; ++corner) {
+        const Edge edge{t, corner};
+        visit(edge, edge.ends(surface).first - part.vertex_begin);
       }
-    }
   };
   std::vector<uint32_t> begin(part.vertex_end - part.vertex_begin + 1, 0);
-  eachEdge([&](const Edge& edge) { ++begin[edge.low - part.vertex_begin + 1]; });
+  each([&](const Edge&, uint32_t low) { ++begin[low]; });
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Edge> edges(begin.back());
-  std::vector<uint32_t> free(begin.begin(), begin.end() - 1);
-  eachEdge([&](const Edge& edge) { edges[free[edge.low - part.vertex_begin]++] = edge; });
+  each([&](const Edge& edge, uint32_t low) { edges[--begin[low]] = edge; });
   for (size_t v = 0; v + 1 < begin.size(); ++v)
-    std::sort(edges.begin() + begin[v], edges.begin() + begin[v + 1], [](const Edge& a, const Edge& b) {
-      return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+    std::sort(edges.begin() + begin[v], edges.begin() + begin[v + 1], [&](const Edge& a, const Edge& b) {
+      const uint32_t to_a = a.ends(surface).second, to_b = b.ends(surface).second;
+      return to_a != to_b ? to_a < to_b : a.triangle < b.triangle;
     });
   return edges;
+}
+
+// Whether the triangles of two edges with the same ends lie on either side of them in UV.
+bool lieApart(const Surface& surface, const Edge& a, const Edge& b) {
+  const auto side = [&](const Edge& edge) {
+    const glm::uvec3 v = surface.triangles[edge.triangle];
+    const glm::dvec2 p = surface.uvs[v[0]];
+    const double area = cross(glm::dvec2(surface.uvs[v[1]]) - p, glm::dvec2(surface.uvs[v[2]]) - p);
+    return v[edge.corner] < v[(edge.corner + 1) % 3] ? area : -area;
+  };
+  const double one = side(a), other = side(b);
+  return (one > 0.0 && other < 0.0) || (one < 0.0 && other > 0.0);
 }
 
 }  // namespace
@@ -235,11 +246,10 @@ TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, cons
     // A chart ends at an edge that does not have exactly one triangle on either side.
     const std::vector<Edge> edges = sortedEdges(surface, part);
     for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-      while (end < edges.size() && edges[end].low == edges[begin].low &&
-             edges[end].high == edges[begin].high) {
+      while (end < edges.size() && edges[end].ends(surface) == edges[begin].ends(surface)) {
         ++end;
       }
-      const bool inside = end - begin == 2 && edges[begin].side * edges[begin + 1].side == -1;
+      const bool inside = end - begin == 2 && lieApart(surface, edges[begin], edges[begin + 1]);
       for (size_t i = begin; i < end && !inside; ++i) {
         mapper.dilate(edges[i], reach);
       }
