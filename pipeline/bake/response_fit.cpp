@@ -14,6 +14,37 @@ namespace {
 
 constexpr double kShare = 0.95;
 constexpr double kLeastBeta = 1.0, kMostBeta = 16.0;
+constexpr uint32_t kGap = 16;  // items between two runs that cost less than another run
+
+struct Run {
+  uint32_t begin = 0, end = 0;
+};
+
+std::vector<Run> runsOf(const std::vector<bool>& wanted) {
+  std::vector<Run> runs;
+  for (uint32_t i = 0; i < wanted.size(); ++i) {
+    if (!wanted[i]) continue;
+    if (runs.empty() || i > runs.back().end + kGap) runs.push_back({i, i});
+    runs.back().end = i + 1;
+  }
+  return runs;
+}
+
+// The points where a layer shows, and the triangles round them.
+struct Reach {
+  std::vector<Run> points, triangles;
+};
+
+Reach reachOf(const MeasuredLayer& layer, const Rings& rings, size_t triangle_count) {
+  std::vector<bool> points(layer.strength.size()), triangles(triangle_count);
+  for (size_t p = 0; p < points.size(); ++p) points[p] = layer.strength[p] > 0.0f;
+  Reach reach{runsOf(points), {}};
+  for (const Run& run : reach.points)
+    for (uint32_t i = rings.offsets[run.begin]; i < rings.offsets[run.end]; ++i)
+      triangles[rings.triangles[i]] = true;
+  reach.triangles = runsOf(triangles);
+  return reach;
+}
 
 }  // namespace
 
@@ -39,6 +70,9 @@ std::vector<std::vector<float>> largestAlpha(const SourceScene& scene, const Sur
   asset.ring_weights = rings.weights;
   asset.layers = asset_layers;
 
+  std::vector<Reach> reaches;
+  for (const MeasuredLayer& layer : layers) reaches.push_back(reachOf(layer, rings, triangles));
+
   std::vector<std::vector<float>> largest(layers.size(), std::vector<float>(points, 1.0f));
   std::vector<Float3> positions(surface.positions.size());
   std::vector<float> triangle_q(triangles), q(points);
@@ -49,10 +83,13 @@ std::vector<std::vector<float>> largestAlpha(const SourceScene& scene, const Sur
       positions[v] = {p.x, p.y, p.z};
     }
     for (uint32_t l = 0; l < layers.size(); ++l) {
-      CompressJob{&asset, l, positions, 1.0f, triangle_q}.run(0, static_cast<uint32_t>(triangles));
-      SmoothJob{&asset, triangle_q, q}.run(0, static_cast<uint32_t>(points));
-      for (size_t p = 0; p < points; ++p)
-        largest[l][p] = std::max(largest[l][p], 1.0f / std::max(q[p], kMinQ));
+      for (const Run& run : reaches[l].triangles)
+        CompressJob{&asset, l, positions, 1.0f, triangle_q}.run(run.begin, run.end);
+      for (const Run& run : reaches[l].points) {
+        SmoothJob{&asset, triangle_q, q}.run(run.begin, run.end);
+        for (uint32_t p = run.begin; p < run.end; ++p)
+          largest[l][p] = std::max(largest[l][p], 1.0f / std::max(q[p], kMinQ));
+      }
     }
   });
   return largest;

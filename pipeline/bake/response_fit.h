@@ -18,10 +18,11 @@ namespace furrow::pipeline {
 struct MeasuredLayer {
   Measure measure;
   std::span<const float> coefficients;  // coefficientCount(measure) a triangle
+  std::span<const float> strength;      // a point: 0: it is not asked about
 };
 
 // Per layer and point, the largest alpha over all poses of bake/poses.h: measured and smoothed by the
-// runtime's own jobs, from poses that are not quantised as those of an asset are.
+// runtime's own jobs, from poses that are not quantised as those of an asset are. 1 where nobody asks.
 std::vector<std::vector<float>> largestAlpha(const SourceScene& scene, const Surface& surface,
                                              const std::vector<uint32_t>& source_vertex, const Rings& rings,
                                              std::span<const MeasuredLayer> layers);

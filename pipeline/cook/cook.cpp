@@ -254,7 +254,7 @@ class Cook {
       report_.layers.push_back({recipe_.layers[l].name, {}, {}});
       if (!recipe_.layers[l].fit) continue;
       fitted.push_back(l);
-      measured.push_back({recipe_.layers[l].measure, layers[l].coefficients});
+      measured.push_back({recipe_.layers[l].measure, layers[l].coefficients, layers[l].field.strength});
     }
     if (!fitted.empty()) {
       const Rings rings = makeRings(restView(packed_.surface));
