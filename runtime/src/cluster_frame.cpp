@@ -160,6 +160,53 @@ struct Rings<1> {
   }
 };
 
+#if HWY_MAX_BYTES >= 32
+
+// A point is a block: kBlocks points a vector.
+template <>
+struct Rings<4> {
+  static constexpr uint32_t kVectors = kRingLanes / kBlocks;
+  Lanes sum[kVectors];
+
+  HWY_INLINE Rings() {
+    for (Lanes& s : sum) s = all(0.0f);
+  }
+  HWY_INLINE void addStep(const float* triangle_q, const uint16_t* entry) {
+#if HWY_MAX_BYTES >= 64
+    const Lanes weights = hn::ZeroExtendVector(D(), ringWeights(entry + kRingLanes));
+#else
+    const Lanes weights = ringWeights(entry + kRingLanes);
+#endif
+    for (uint32_t v = 0; v < kVectors; ++v, entry += kBlocks)
+      sum[v] = sum[v] + permuted(weights, [v](uint32_t i) { return kBlocks * v + i / 4; }) *
+                            gatherBlocks([&](int i) HWY_ATTR { return triangle_q + 4 * size_t{entry[i]}; });
+  }
+  HWY_INLINE void store(float* out, size_t step) {
+    for (Lanes& s : sum) s = permuted(s, [](uint32_t i) { return i % kBlocks * 4 + i / kBlocks; });
+    for (uint32_t v = 0; v < kVectors; v += 4 / kBlocks, out += 4) {
+#if HWY_MAX_BYTES >= 64
+      storeBlocks(sum[v], out, step);
+#else
+      const hn::Repartition<double, D> pairs;
+      const auto ab = hn::BitCast(pairs, sum[v]), cd = hn::BitCast(pairs, sum[v + 1]);
+      storeBlocks(hn::BitCast(D(), hn::InterleaveLower(pairs, ab, cd)), out, 2 * step);
+      storeBlocks(hn::BitCast(D(), hn::InterleaveUpper(pairs, ab, cd)), out + step, 2 * step);
+#endif
+    }
+  }
+
+ private:
+  // Lane i from lane from(i).
+  template <typename From>
+  HWY_INLINE static Lanes permuted(Lanes a, From from) {
+    alignas(64) int32_t lanes[kWidth];
+    for (uint32_t i = 0; i < kWidth; ++i) lanes[i] = static_cast<int32_t>(from(i));
+    return hn::TableLookupLanes(a, hn::SetTableIndices(D(), lanes));
+  }
+};
+
+#endif
+
 // Points 0, 1, 4 and 5, then the others; each has both its layers side by side.
 template <>
 struct Rings<2> {
@@ -236,9 +283,11 @@ class Ahead {
     vertices_ = static_cast<uint32_t>(vertices_end_ - vertex_) / kFetchEvery / steps + 1;
   }
   HWY_INLINE void step() {
-    for (uint32_t i = 0; i < lines_ && word_ < words_end_; ++i, word_ += kLineWords) fetch(word_);
-    for (uint32_t i = 0; i < vertices_ && vertex_ < vertices_end_; ++i, vertex_ += kFetchEvery)
-      fetch(posed_ + *vertex_ * stride_);
+    const uint32_t *word = word_, *vertex = vertex_;
+    for (uint32_t i = 0; i < lines_ && word < words_end_; ++i, word += kLineWords) fetch(word);
+    for (uint32_t i = 0; i < vertices_ && vertex < vertices_end_; ++i, vertex += kFetchEvery)
+      fetch(posed_ + *vertex * stride_);
+    word_ = word, vertex_ = vertex;
   }
 
  private:
@@ -363,15 +412,7 @@ HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, floa
 
 // The positions of one corner of triangles 0, 4, 8 and 12, as many as there are blocks.
 HWY_INLINE Lanes corners(const float* positions, const uint16_t* corner) {
-  const auto at = [&](int i) HWY_ATTR { return positions + corner[12 * i]; };
-#if HWY_MAX_BYTES >= 64  // loads that blend leave the shuffles their ports
-  __m512 blocks = _mm512_castps128_ps512(_mm_loadu_ps(at(0)));
-  blocks = _mm512_mask_broadcast_f32x4(blocks, 0x00f0, _mm_loadu_ps(at(1)));
-  blocks = _mm512_mask_broadcast_f32x4(blocks, 0x0f00, _mm_loadu_ps(at(2)));
-  return Lanes{_mm512_mask_broadcast_f32x4(blocks, 0xf000, _mm_loadu_ps(at(3)))};
-#else
-  return loadBlocks(at);
-#endif
+  return gatherBlocks([&](int i) HWY_ATTR { return positions + corner[12 * i]; });
 }
 
 // Edges of kWidth triangles by coordinate.
@@ -432,7 +473,8 @@ struct Principal {
 template <typename Measured>
 HWY_INLINE Lanes clampedQ(const Edges& edges, const float* c, Lanes inverse_scale2) {
   const Lanes q = Measured::of(edges, c, inverse_scale2);
-  if (allNotNegative(q)) return atMost(q, kMaxQ);
+  if (allNotNegative(q)) [[likely]]
+    return atMost(q, kMaxQ);
   const Lanes zero = all(0.0f);
   Lanes used = zero;
   for (uint32_t k = 0; k < Measured::kCoefficients; ++k) {
@@ -467,7 +509,7 @@ HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const Pass& pa
       const Edges edges(positions, corner + 3 * (group + i));
       Lanes q[kLayers];
       for (uint32_t l = 0; l < kLayers; ++l) {
-        if (l >= pass.count)
+        if (l > kLayers / 2 && l >= pass.count)  // what the compiler knows of needs no branch
           q[l] = all(0.0f);
         else if constexpr (kDirectional)
           q[l] = clampedQ<Directional>(edges, pass.coefficients[l] + Directional::kCoefficients * group + i,

@@ -81,6 +81,10 @@ template <typename At>
 HWY_INLINE Lanes loadBlocks(At at) {
   return load(at(0));
 }
+template <typename At>
+HWY_INLINE Lanes gatherBlocks(At at) {
+  return load(at(0));
+}
 // Block i to `p + i * step`.
 HWY_INLINE void storeBlocks(Lanes a, float* p, size_t) {
   store(a, p);
@@ -210,6 +214,18 @@ HWY_INLINE Lanes loadBlocks(At at) {
   return hn::Combine(D(), block(1), block(0));
 #else
   return block(0);
+#endif
+}
+// The same from memory in the first cache, where the hardware need not prefetch.
+template <typename At>
+HWY_INLINE Lanes gatherBlocks(At at) {
+#if HWY_MAX_BYTES >= 64  // loads that blend leave the shuffles their ports
+  __m512 blocks = _mm512_castps128_ps512(_mm_loadu_ps(at(0)));
+  blocks = _mm512_mask_broadcast_f32x4(blocks, 0x00f0, _mm_loadu_ps(at(1)));
+  blocks = _mm512_mask_broadcast_f32x4(blocks, 0x0f00, _mm_loadu_ps(at(2)));
+  return Lanes{_mm512_mask_broadcast_f32x4(blocks, 0xf000, _mm_loadu_ps(at(3)))};
+#else
+  return loadBlocks(at);
 #endif
 }
 HWY_INLINE Lanes loadBlocks(const float* p, size_t step) {
