@@ -43,6 +43,7 @@ class Exporter {
     nameLayers();
     weighAtRest();
     for (const TextureSet& set : asset_.texture_sets) addImages(set);
+    for (const BaseMaps& maps : asset_.base_maps) addOwnImages(maps);
     for (const Part& part : asset_.parts) addPart(part);
     for (const Clip& clip : rig_.clips) addClip(clip);
     std::ostringstream out;
@@ -296,9 +297,59 @@ class Exporter {
     set_extras_.push_back(Value(Object{{"furrow", Value(Object{{"layers", Value(layers)}})}}));
   }
 
+  // The model's own colours and normals.
+  void addOwnImages(const BaseMaps& maps) {
+    const std::string prefix = "base " + std::to_string(own_textures_.size());
+    OwnTextures& own = own_textures_.emplace_back();
+    if (maps.color.slices > 0) {
+      const bool opacity = maps.color.format == TextureFormat::kBc3;
+      Image image{maps.color.width, maps.color.height, opacity ? 4u : 3u, {}};
+      for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x) {
+          const Float4 texel = texelAt(maps.color, 0, 0, x, y);
+          image.pixels.insert(image.pixels.end(), {texel.x, texel.y, texel.z});
+          if (opacity) image.pixels.push_back(texel.w);
+        }
+      own.color = addImage(prefix + " color", toBytes(image));
+    }
+    if (maps.normal.slices > 0)
+      own.normal = addImage(prefix + " normal", normalPixels(decode(maps.normal, 0)));
+  }
+
+  // KHR_texture_transform: scaled, turned, moved; columns of the matrix as in BaseMaps.
+  tinygltf::ExtensionMap transform(const float (&m)[6]) {
+    if (std::ranges::equal(m, std::initializer_list<float>{1, 0, 0, 1, 0, 0})) return {};
+    model_.extensionsUsed = {"KHR_texture_transform"};
+    const double turn = std::atan2(double{-m[1]}, double{m[0]});
+    const auto pair = [](double x, double y) { return Value(Array{Value(x), Value(y)}); };
+    return {{"KHR_texture_transform",
+             Value(Object{{"offset", pair(double{m[4]}, double{m[5]})},
+                          {"rotation", Value(turn)},
+                          {"scale", pair(std::hypot(double{m[0]}, double{m[1]}),
+                                         std::sin(turn) * double{m[2]} + std::cos(turn) * double{m[3]})}})}};
+  }
+
+  void showOwnImages(const Part& part, tinygltf::Material& material) {
+    if (part.base_maps == kAbsent) return;
+    const BaseMaps& maps = asset_.base_maps[part.base_maps];
+    const OwnTextures& own = own_textures_[part.base_maps];
+    if (own.color >= 0) {
+      material.pbrMetallicRoughness.baseColorTexture.index = own.color;
+      material.pbrMetallicRoughness.baseColorTexture.extensions = transform(maps.color_uv);
+    }
+    if (own.normal >= 0) {
+      material.normalTexture.index = own.normal;
+      material.normalTexture.extensions = transform(maps.normal_uv);
+    }
+    if (maps.opaque_from > 0.0f) {
+      material.alphaMode = "MASK";
+      material.alphaCutoff = double{maps.opaque_from};
+    }
+  }
+
   int materialOf(const Part& part) {
     const auto key = std::tuple(part.material, part.base_color.x, part.base_color.y, part.base_color.z,
-                                part.base_color.w, part.roughness, part.texture_set);
+                                part.base_color.w, part.roughness, part.texture_set, part.base_maps);
     const auto [known, is_new] = materials_.emplace(key, number(model_.materials.size()));
     if (is_new) {
       tinygltf::Material material;
@@ -307,6 +358,7 @@ class Exporter {
                                                        part.base_color.z, part.base_color.w};
       material.pbrMetallicRoughness.metallicFactor = 0.0;
       material.pbrMetallicRoughness.roughnessFactor = part.roughness;
+      showOwnImages(part, material);
       if (part.texture_set != kAbsent) material.extras = set_extras_[part.texture_set];
       model_.materials.push_back(std::move(material));
     }
@@ -472,7 +524,12 @@ class Exporter {
   std::vector<std::string> suffixes_;  // of the attributes of every layer
   std::vector<int16_t> rest_weights_;
   std::vector<Value> set_extras_;
-  std::map<std::tuple<std::string_view, float, float, float, float, float, uint32_t>, int> materials_;
+  struct OwnTextures {
+    int color = -1, normal = -1;
+  };
+  std::vector<OwnTextures> own_textures_;  // of every BaseMaps
+  std::map<std::tuple<std::string_view, float, float, float, float, float, uint32_t, uint32_t>, int>
+      materials_;
   std::vector<std::pair<int, std::vector<uint32_t>>> morphed_nodes_;  // node, its targets in the asset
 };
 

@@ -20,7 +20,8 @@ namespace furrow::pipeline {
 //     _BIAS_X       [-1, 1], where the layer has one
 //     _DIRECTION_X  unit, in root space at rest, 0 where there is none; _CONFIDENCE_X [0, 1]. Not for measure
 //     "none"
-//   every slice of the maps as a PNG image: normals (green up), shading factors, masks.
+//   every slice of the maps as a PNG image: normals (green up), shading factors, masks;
+//   the model's own colours and normals, as far as the asset keeps them, as textures of its materials.
 // X is the layer's name in capitals, with _ for what is no letter or digit. extras.furrow of the file lists
 // the layers with their attributes, extras.furrow of a material their images and the windows of UV space
 // these cover.

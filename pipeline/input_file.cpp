@@ -1,10 +1,24 @@
 #include "pipeline/input_file.h"
 
+#include <algorithm>
 #include <fstream>
+#include <string>
+#include <system_error>
 
 #include "pipeline/error.h"
 
 namespace furrow::pipeline {
+
+std::filesystem::path namedFile(std::string_view name, const std::vector<std::filesystem::path>& folders) {
+  std::string portable(name);
+  std::replace(portable.begin(), portable.end(), '\\', '/');
+  const std::filesystem::path given(name), path(portable);
+  std::error_code ignored;
+  for (const std::filesystem::path& folder : folders)
+    for (const std::filesystem::path& candidate : {folder / given, folder / path, folder / path.filename()})
+      if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
+  return folders.front() / path;
+}
 
 std::vector<uint8_t> readBytes(const std::filesystem::path& file) {
   const std::string name = file.string();

@@ -4,9 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 namespace furrow::pipeline {
+
+// The file that a model names, as a tool on any system may have written it: where the name leads from one of
+// the folders, or the file of that name right in one of them. What is nowhere is in the first.
+std::filesystem::path namedFile(std::string_view name, const std::vector<std::filesystem::path>& folders);
 
 // The whole of a regular file. Throws Error (kBadData: it is not there, or is a folder, a pipe or a device,
 // which might never come to an end; kEnvironment: it cannot be opened or read).

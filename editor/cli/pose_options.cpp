@@ -85,7 +85,10 @@ void PoseOptions::add(CLI::App& command) {
   command.add_option("--region", regions, "Region weight of a layer, LAYER=W in [-1, 1]; may be repeated")
       ->allow_extra_args(false);
   command
-      .add_option("--scale", scale, "Uniform scale of the whole instance that the pose contains (default 1)")
+      .add_option(
+          "--scale", scale,
+          "Uniform scale of the whole instance that the pose contains (default: what the clip gives to "
+          "all of it)")
       ->check(requirePositive);
   command
       .add_option("--backend", backend,
@@ -128,8 +131,9 @@ preview::PosedFrame poseFrame(const OpenedAsset& opened, const PoseOptions& opti
     const auto [name, weight] = assignment(text, kRegion);
     for (size_t l : select(names, name, "layer", file)) regions[l] += static_cast<float>(weight);
   }
-  return preview::poseFrame(asset, pipeline::evaluate(opened.rig, pose), regions,
-                            static_cast<float>(options.scale));
+  const pipeline::PosedRig posed = pipeline::evaluate(opened.rig, pose);
+  const double scale = options.scale ? *options.scale : pipeline::wholeScale(opened.rig, posed);
+  return preview::poseFrame(asset, posed, regions, static_cast<float>(scale));
 }
 
 }  // namespace furrow::cli

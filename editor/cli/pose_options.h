@@ -16,7 +16,7 @@ struct PoseOptions {
   std::string clip, take;
   std::optional<double> time;
   std::vector<std::string> morphs, regions;
-  double scale = 1.0;
+  std::optional<double> scale;  // none: that of the clip
   std::string backend = "auto";
 
   void add(CLI::App& command);

@@ -73,6 +73,7 @@ pipeline::Pose Player::pose(const pipeline::Rig& rig) const {
 preview::PosedFrame Player::frame(const preview::LoadedAsset& loaded) const {
   const AssetView& asset = loaded.asset.view();
   pipeline::PosedRig posed = pipeline::evaluate(loaded.rig, pose(loaded.rig));
+  const auto whole = static_cast<float>(pipeline::wholeScale(loaded.rig, posed));
   if (breathing.on) {
     const double grown = 1.0 + double{breathing.amplitude} *
                                    std::sin(2.0 * std::numbers::pi * time / double{breathing.period});
@@ -88,7 +89,7 @@ preview::PosedFrame Player::frame(const preview::LoadedAsset& loaded) const {
   for (uint32_t l = 0; l < asset.layerCount(); ++l)
     if (const auto held = regions.find(std::string(asset.layers[l].name)); held != regions.end())
       scripted[l] = held->second;
-  return preview::poseFrame(asset, posed, scripted, 1.0f);
+  return preview::poseFrame(asset, posed, scripted, whole);
 }
 
 }  // namespace furrow::editor

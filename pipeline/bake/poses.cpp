@@ -57,10 +57,11 @@ void forEachPose(const SourceScene& scene, const Surface& surface, const std::ve
       Pose pose = defaultPose(scene.rig);
       applyClip(scene.rig, clip, clip.duration * i / (poses - 1), pose);
       const PosedRig posed = evaluate(scene.rig, pose);
+      const double scale = wholeScale(scene.rig, posed);
       for (const SurfacePart& span : surface.parts) {
         const std::vector<glm::dvec3> part = posePart(scene, scene.parts[span.source_part], posed);
         for (uint32_t v = span.vertex_begin; v < span.vertex_end; ++v)
-          positions[v] = part[source_vertex[v] - span.vertex_begin];
+          positions[v] = part[source_vertex[v] - span.vertex_begin] / scale;
       }
       visit({positions, moved, false});
     }

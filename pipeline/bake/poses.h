@@ -14,7 +14,7 @@
 namespace furrow::pipeline {
 
 struct SurfacePose {
-  std::span<const glm::dvec3> positions;  // a surface vertex, in root space
+  std::span<const glm::dvec3> positions;  // a surface vertex, in root space, without wholeScale()
   std::span<const char> moved;            // a surface vertex; 0: it stands where it is at rest
   bool by_morph = false;                  // else by a clip
 };

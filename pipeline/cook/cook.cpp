@@ -114,7 +114,12 @@ class Cook {
     cooked.report = std::move(report_);
     cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
-    cooked.dependencies.insert(cooked.dependencies.end(), dependencies_.begin(), dependencies_.end());
+    for (const std::filesystem::path& file : dependencies_) {
+      const auto embedded = embeddedImage(file);
+      for (const std::filesystem::path& read : embedded ? embedded->files : std::vector{file})
+        if (std::ranges::find(cooked.dependencies, read) == cooked.dependencies.end())
+          cooked.dependencies.push_back(read);
+    }
     return cooked;
   }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/import/import.h"
 #include "pipeline/scene/source_scene.h"
 
 namespace furrow::pipeline {
@@ -20,6 +21,9 @@ SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> b
 // The files of its buffers, and of the images that a cook may read as far as they are there.
 std::vector<std::filesystem::path> gltfFiles(const std::filesystem::path& file,
                                              const std::vector<uint8_t>& bytes);
+
+EmbeddedImage gltfImage(const std::filesystem::path& file, std::vector<uint8_t> bytes,
+                        const std::string& name);
 
 // The faces of a mesh file as they stand in it: not split at seams, not cut into triangles.
 struct Polygons {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
@@ -7,9 +8,11 @@
 #include <set>
 #include <utility>
 
+#include "pipeline/error.h"
 #include "pipeline/import/formats.h"
 #include "pipeline/import/gltf_document.h"
 #include "pipeline/one_line.h"
+#include "pipeline/scene/rest.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -194,9 +197,9 @@ class GltfImporter {
         readTransform(found->second, map.uv, set);
       if (set != 0)
         fail("it lies in TEXCOORD_" + std::to_string(set) + ", and furrow keeps TEXCOORD_0 alone");
-      const auto [entry, added] =
-          images_.try_emplace(document_.imageNumber(info.index), static_cast<uint32_t>(scene_.images.size()));
-      if (added) scene_.images.push_back(document_.image(info.index));
+      const int number = document_.imageOfTexture(info.index);
+      const auto [entry, added] = images_.try_emplace(number, static_cast<uint32_t>(scene_.images.size()));
+      if (added) scene_.images.push_back(document_.image(number));
       map.image = entry->second;
     } catch (const std::runtime_error& e) {
       warn(named("material", static_cast<size_t>(&material - model_.materials.data()), material.name) +
@@ -727,6 +730,26 @@ class GltfImporter {
 };
 
 }  // namespace
+
+EmbeddedImage gltfImage(const std::filesystem::path& file, std::vector<uint8_t> bytes,
+                        const std::string& name) {
+  GltfDocument document(file, std::move(bytes));
+  std::vector<std::string> names = document.imageNames();
+  auto number = static_cast<size_t>(std::ranges::find(names, name) - names.begin());
+  if (name.empty() || number == names.size()) {
+    const char* end = name.data() + name.size();
+    const auto [stop, error] = std::from_chars(name.data(), end, number);
+    if (error != std::errc() || stop != end || number >= names.size()) {
+      for (size_t i = 0; i < names.size(); ++i)
+        if (names[i].empty()) names[i] = std::to_string(i);
+      throw Error(Exit::kBadData, file.string(), "it has no image \"" + name + "\"",
+                  names.empty() ? "give an image file" : "it has: " + joinNames(names));
+    }
+  }
+  EmbeddedImage out{document.image(static_cast<int>(number)), document.dependencies()};
+  if (!out.image.file.empty()) out.files.push_back(out.image.file);
+  return out;
+}
 
 SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> bytes) {
   return GltfImporter(file, std::move(bytes)).run();

@@ -123,7 +123,8 @@ std::vector<std::string> checkExtensions(const json& root) {
         name == kTextureTransform)
       continue;
     const auto about = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (about("_materials_") || about("_lights_") || about("_xmp") || name == "KHR_animation_pointer") {
+    if (about("_materials_") || about("_lights_") || about("_xmp") || about("_node_") || about("VRM") ||
+        name == "KHR_animation_pointer" || name == "FB_ngon_encoding" || name == "MSFT_lod") {
       warnings.push_back("the required extension " + name + " is left out: it does not shape the surface");
     } else {
       fail("it requires the extension " + name + ", which furrow does not read");
@@ -242,7 +243,7 @@ bool isData(const std::string& uri) {
 std::filesystem::path fileOf(const std::filesystem::path& file, const std::string& uri) {
   const std::string name = decodePercent(uri);
   if (name.empty() || name.find('\0') != std::string::npos) fail("a URI in it names no file");
-  return file.parent_path() / std::filesystem::u8path(name);
+  return namedFile(name, {file.parent_path()});
 }
 
 std::vector<uint8_t> decodeDataUri(const std::string& uri) {
@@ -469,36 +470,38 @@ std::vector<std::filesystem::path> gltfFiles(const std::filesystem::path& file,
 }
 
 void GltfDocument::readImages(const json& root) {
-  const json* textures = find(root, "textures");
-  for (size_t t = 0; textures && textures->is_array() && t < textures->size(); ++t) {
-    Image& image = texture_images_.emplace_back();
-    const json* number = imageOf((*textures)[t]);
-    const json* entry = element(root, "images", number);
-    if (!entry) continue;
-    image.number = number->get<int>();
+  const json* images = find(root, "images");
+  for (size_t i = 0; images && images->is_array() && i < images->size(); ++i) {
+    const json& entry = (*images)[i];
+    Image& image = images_.emplace_back();
     const auto text = [&](const char* key) {
-      const json* value = find(*entry, key);
+      const json* value = find(entry, key);
       return value && value->is_string() ? value->get<std::string>() : std::string();
     };
     image.name = text("name");
     image.uri = text("uri");
-    if (const json* view = find(*entry, "bufferView"); view && view->is_number_unsigned())
+    if (const json* view = find(entry, "bufferView"); view && view->is_number_unsigned())
       image.view = view->get<int>();
+  }
+  const json* textures = find(root, "textures");
+  for (size_t t = 0; textures && textures->is_array() && t < textures->size(); ++t) {
+    const json* number = imageOf((*textures)[t]);
+    texture_images_.push_back(element(root, "images", number) ? number->get<int>() : -1);
   }
 }
 
-int GltfDocument::imageNumber(int texture) const {
+int GltfDocument::imageOfTexture(int texture) const {
   if (texture < 0 || static_cast<size_t>(texture) >= texture_images_.size())
     fail("there is no texture " + std::to_string(texture));
-  const int number = texture_images_[static_cast<size_t>(texture)].number;
+  const int number = texture_images_[static_cast<size_t>(texture)];
   if (number < 0) fail("it has no PNG, JPEG or WebP image");
   return number;
 }
 
-SourceImage GltfDocument::image(int texture) {
+SourceImage GltfDocument::image(int number) {
+  const Image& image = images_.at(static_cast<size_t>(number));
   SourceImage out;
-  out.name = "image " + std::to_string(imageNumber(texture));
-  const Image& image = texture_images_[static_cast<size_t>(texture)];
+  out.name = "image " + std::to_string(number);
   if (!image.name.empty()) out.name += " \"" + image.name + "\"";
   if (isData(image.uri)) {
     out.bytes = decodeDataUri(image.uri);
@@ -509,6 +512,12 @@ SourceImage GltfDocument::image(int texture) {
     out.bytes.assign(bytes.begin(), bytes.end());
   }
   return out;
+}
+
+std::vector<std::string> GltfDocument::imageNames() const {
+  std::vector<std::string> names;
+  for (const Image& image : images_) names.push_back(oneLine(image.name));
+  return names;
 }
 
 bool GltfDocument::uses(const std::string& extension) const {

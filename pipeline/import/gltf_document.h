@@ -62,17 +62,18 @@ class GltfDocument {
 
   AccessorView accessor(int index);
 
-  // The image of a texture, as encoded (PNG, JPEG or WebP), and its number in the file.
-  SourceImage image(int texture);
-  int imageNumber(int texture) const;
+  // The number of the image that a texture shows as PNG, JPEG or WebP; throws if there is none.
+  int imageOfTexture(int texture) const;
+  // The image, as encoded.
+  SourceImage image(int number);
+  std::vector<std::string> imageNames() const;
 
   // The primitive's Draco mesh, decoded; null if it has none.
   std::unique_ptr<const DracoMesh> draco(const tinygltf::Primitive& primitive);
 
  private:
-  // Where the image of a texture is; number -1: nowhere, or in no format that is read.
   struct Image {
-    int number = -1, view = -1;
+    int view = -1;
     std::string name, uri;
   };
   struct Buffer {
@@ -87,7 +88,8 @@ class GltfDocument {
   std::filesystem::path file_;
   std::vector<uint8_t> bytes_;
   std::vector<Buffer> buffers_;
-  std::vector<Image> texture_images_;
+  std::vector<Image> images_;
+  std::vector<int> texture_images_;  // numbers; -1: none that is read
   size_t total_bytes_ = 0;
   size_t numbers_ = 0;  // in all accessors that were asked for
   tinygltf::Model model_;

@@ -135,6 +135,20 @@ std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& fi
   });
 }
 
+std::optional<EmbeddedImage> embeddedImage(const std::filesystem::path& path) {
+  const std::string text = path.string();
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return std::nullopt;
+  for (size_t at = text.find('#'); at != std::string::npos; at = text.find('#', at + 1)) {
+    const std::filesystem::path model = text.substr(0, at);
+    const std::string extension = extensionOf(model);
+    if ((extension != ".glb" && extension != ".gltf") || !std::filesystem::is_regular_file(model, ignored))
+      continue;
+    return guarded(model, [&] { return gltfImage(model, readModel(model), text.substr(at + 1)); });
+  }
+  return std::nullopt;
+}
+
 Polygons importPolygons(const std::filesystem::path& file) {
   return guarded(file, [&] {
     std::vector<uint8_t> bytes = readModel(file);

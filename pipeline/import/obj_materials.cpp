@@ -51,22 +51,9 @@ std::optional<float> number(std::string_view& text) {
   return value;
 }
 
-bool isFile(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored);
-}
-
-// The file of that name in one of the folders: where the name leads, or right in them.
-std::filesystem::path locate(std::string_view name, const std::vector<std::filesystem::path>& folders) {
-  std::string portable(name);
-  if (portable.size() > 1 && portable.front() == '"' && portable.back() == '"')
-    portable = portable.substr(1, portable.size() - 2);
-  std::replace(portable.begin(), portable.end(), '\\', '/');
-  const std::filesystem::path path(portable);
-  for (const std::filesystem::path& folder : folders)
-    for (const std::filesystem::path& candidate : {folder / path, folder / path.filename()})
-      if (isFile(candidate)) return candidate;
-  return folders.front() / path;
+std::string_view unquoted(std::string_view name) {
+  const bool quoted = name.size() > 1 && name.front() == '"' && name.back() == '"';
+  return quoted ? name.substr(1, name.size() - 2) : name;
 }
 
 class MtlReader {
@@ -136,7 +123,7 @@ class MtlReader {
     if (line.empty()) return map;
     // Theirs count v from the bottom of the image, ours from the top.
     map.uv = glm::mat3x2(scale[0], 0.0f, 0.0f, scale[1], offset[0], 1.0f - scale[1] - offset[1]);
-    const std::filesystem::path file = locate(line, folders_);
+    const std::filesystem::path file = namedFile(unquoted(line), folders_);
     const auto known = std::ranges::find(out_.images, file, &SourceImage::file);
     map.image = static_cast<uint32_t>(known - out_.images.begin());
     if (known == out_.images.end()) out_.images.push_back({file.filename().string(), file, {}});
@@ -152,8 +139,10 @@ class MtlReader {
 
 ObjMaterials readObjMaterials(const std::filesystem::path& model, const std::vector<std::string>& libraries) {
   ObjMaterials out;
+  const std::vector<std::filesystem::path> folder = {model.parent_path()};
+  const auto inFolder = [&](std::string_view name) { return namedFile(unquoted(name), folder); };
   const auto read = [&](std::string_view name) {
-    const std::filesystem::path file = locate(name, {model.parent_path()});
+    const std::filesystem::path file = inFolder(name);
     if (std::ranges::find(out.files, file) != out.files.end()) return;
     try {
       const std::vector<uint8_t> bytes = readBytes(file);
@@ -166,8 +155,9 @@ ObjMaterials readObjMaterials(const std::filesystem::path& model, const std::vec
   };
   for (const std::string& names : libraries) {
     std::string_view rest = names;
-    const bool several =
-        !isFile(locate(rest, {model.parent_path()})) && lowerCase(rest).find(".mtl ") != std::string::npos;
+    std::error_code ignored;
+    const bool several = !std::filesystem::is_regular_file(inFolder(rest), ignored) &&
+                         lowerCase(rest).find(".mtl ") != std::string::npos;
     while (!rest.empty()) read(several ? word(rest) : std::exchange(rest, {}));
   }
   return out;

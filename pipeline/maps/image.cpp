@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "pipeline/error.h"
+#include "pipeline/import/import.h"
 #include "pipeline/maps/image_module.h"
 #include "pipeline/maps/png.h"
 #include "pipeline/pack/output_file.h"
@@ -68,6 +69,27 @@ AnyImage read(const ImageModule::Source& source, const std::string& name) {
   return image;
 }
 
+template <class AnyImage>
+AnyImage readBytesOf(std::span<const uint8_t> bytes, const std::string& name) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const char* format = text.starts_with("\x89PNG")    ? "embedded.png"
+                       : text.starts_with("\xff\xd8") ? "embedded.jpg"
+                       : text.starts_with("RIFF") && text.size() > 12 && text.substr(8, 4) == "WEBP"
+                           ? "embedded.webp"
+                           : nullptr;
+  if (!format) throw Error(Exit::kBadData, name, "it is neither PNG nor JPEG nor WebP", "export it again");
+  return read<AnyImage>({format, bytes.data(), bytes.size()}, name);
+}
+
+template <class AnyImage>
+AnyImage readFile(const std::filesystem::path& file) {
+  const auto embedded = embeddedImage(file);
+  if (!embedded) return read<AnyImage>({file.c_str(), nullptr, 0}, file.string());
+  const SourceImage& image = embedded->image;
+  return image.file.empty() ? readBytesOf<AnyImage>(image.bytes, file.string())
+                            : read<AnyImage>({image.file.c_str(), nullptr, 0}, image.file.string());
+}
+
 }  // namespace
 
 std::filesystem::path imageModuleFile() {
@@ -80,7 +102,7 @@ std::filesystem::path imageModuleFile() {
 }
 
 Image readImage(const std::filesystem::path& file) {
-  Image image = read<Image>({file.c_str(), nullptr, 0}, file.string());
+  Image image = readFile<Image>(file);
   if (!std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); }))
     throw Error(Exit::kBadData, file.string(), "the image holds values that are not finite",
                 "export it again");
@@ -88,18 +110,11 @@ Image readImage(const std::filesystem::path& file) {
 }
 
 ByteImage readByteImage(const std::filesystem::path& file) {
-  return read<ByteImage>({file.c_str(), nullptr, 0}, file.string());
+  return readFile<ByteImage>(file);
 }
 
 ByteImage readByteImage(std::span<const uint8_t> bytes, const std::string& name) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const char* format = text.starts_with("\x89PNG")    ? "embedded.png"
-                       : text.starts_with("\xff\xd8") ? "embedded.jpg"
-                       : text.starts_with("RIFF") && text.size() > 12 && text.substr(8, 4) == "WEBP"
-                           ? "embedded.webp"
-                           : nullptr;
-  if (!format) throw Error(Exit::kBadData, name, "it is neither PNG nor JPEG nor WebP", "export it again");
-  return read<ByteImage>({format, bytes.data(), bytes.size()}, name);
+  return readBytesOf<ByteImage>(bytes, name);
 }
 
 Image toFloats(const ByteImage& image) {

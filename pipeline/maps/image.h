@@ -40,8 +40,9 @@ struct ByteImage {
 // Images that stand in for the files of these absolute paths, such as painted ones that are not saved yet.
 using Images = std::map<std::filesystem::path, std::shared_ptr<const ByteImage>>;
 
-// At most 16384 texels a side and 4 channels. Throws Error (kBadData: it is not such an image, or damaged;
-// names the file and the reason).
+// An image file, or an image in a glTF file ("head.glb#wrinkles", see embeddedImage()). At most 16384 texels
+// a side and 4 channels. Throws Error (kBadData: it is not such an image, or damaged; names the file and the
+// reason).
 Image readImage(const std::filesystem::path& file);
 
 // The same in bytes: 8-bit files to the bit, others rounded.

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "pipeline/error.h"
+#include "pipeline/import/import.h"
 #include "pipeline/input_file.h"
 #include "pipeline/recipe/json_shape.h"
 
@@ -51,6 +52,7 @@ bool hasType(const json& value, const Shape& shape) {
     case Kind::kText:
     case Kind::kName:
     case Kind::kFile:
+    case Kind::kImage:
     case Kind::kWord:
       return value.is_string();
     case Kind::kNumber:
@@ -177,6 +179,7 @@ class Checker {
         break;
       }
       case Kind::kFile:
+      case Kind::kImage:
         checkFile(value, shape, path);
         break;
       case Kind::kWord:
@@ -225,6 +228,10 @@ class Checker {
     const auto& name = value.get_ref<const std::string&>();
     if (name.empty() || name.find('\0') != std::string::npos) failValue(value, shape, path);
     std::filesystem::path found = pathIn(file_, name);
+    if (const auto embedded = shape.kind == Kind::kImage ? embeddedImage(found) : std::nullopt) {
+      files.insert(files.end(), embedded->files.begin(), embedded->files.end());
+      return;
+    }
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(found, ignored))
       fail(path, "no such file " + found.string(), "paths are relative to the " + kind_);
@@ -314,6 +321,8 @@ std::string describe(const JsonShape& shape) {
       return "a name without commas, quotes or line breaks";
     case Kind::kFile:
       return "the path of a file";
+    case Kind::kImage:
+      return "the path of an image";
     case Kind::kWord:
       return quotedList(shape.words);
     case Kind::kNumber:

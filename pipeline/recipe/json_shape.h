@@ -22,6 +22,7 @@ struct JsonShape {
     kText,     // a string that is not empty
     kName,     // the same, fit for a column of a CSV file: no comma, quote or control character
     kFile,     // the path of a file that exists, relative to the JSON file
+    kImage,    // the same, or an image in a glTF file, see embeddedImage()
     kWord,     // one of `words`
     kNumber,   // [min, max], or (min, max] if above_min
     kInteger,  // [min, max]
@@ -53,7 +54,7 @@ std::string describe(const JsonShape& shape);
 
 struct JsonFile {
   nlohmann::json value;                      // fits the shape
-  std::vector<std::filesystem::path> files;  // every kFile in it, absolute
+  std::vector<std::filesystem::path> files;  // that a kFile or kImage in it is read from, absolute
 };
 
 // Reads `file`, in which comments are allowed; `kind` is the word for it in messages, "recipe". Throws Error

@@ -43,6 +43,7 @@ ordered schemaOf(const Shape& shape) {
   switch (shape.kind) {
     case Kind::kText:
     case Kind::kFile:
+    case Kind::kImage:
       return {{"type", "string"}, {"minLength", 1}};
     case Kind::kName:
       return {{"type", "string"}, {"pattern", "^[^,\"\\u0000-\\u001f\\u007f]+$"}};

@@ -27,6 +27,9 @@ Shape text() {
 Shape file() {
   return make(Kind::kFile);
 }
+Shape image() {
+  return make(Kind::kImage);
+}
 Shape number(double min, double max) {
   return make(Kind::kNumber, min, max);
 }
@@ -90,7 +93,7 @@ Shape describeDirection() {
              {{"axis", list(number(-kLength, kLength), 3, 3),
                "Direction across the creases, in the scene root's space; any length but 0."},
               {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
-              {"texture", file(),
+              {"texture", image(),
                "A flow map: the direction in red (along u) and green (up in the image), 0.5 is zero."},
               {"guides", guides,
                "Curves along the creases, near the surface: lists of points in the scene root's space at "
@@ -120,10 +123,10 @@ Shape channel() {
 
 Shape describeMask() {
   return either(
-      {word({"auto", "none"}),
-       forms({"texture", "attribute"}, {{"texture", file(), "An image: white is in the layer, black is not."},
-                                        {"attribute", text(), "A vertex attribute, such as COLOR_0."},
-                                        {"channel", channel(), "Of the image or attribute; default r."}})});
+      {word({"auto", "none"}), forms({"texture", "attribute"},
+                                     {{"texture", image(), "An image: white is in the layer, black is not."},
+                                      {"attribute", text(), "A vertex attribute, such as COLOR_0."},
+                                      {"channel", channel(), "Of the image or attribute; default r."}})});
 }
 
 Shape describeMap() {
@@ -140,11 +143,11 @@ Shape describeMap() {
       {word({"none"}),
        forms(
            {"normal", "height", "synthesize"},
-           {{"normal", file(), "A tangent-space normal map."},
+           {{"normal", image(), "A tangent-space normal map."},
             {"green", word({"opengl", "directx"}),
              "Whether its green channel points up or down in the image; default \"opengl\", up.", false,
              "normal"},
-            {"height", file(), "A height map: white is high."},
+            {"height", image(), "A height map: white is high."},
             {"depth", above(0, kLength), "From black to white, in the scene's unit; default: worked out.",
              false, "height"},
             {"synthesize", synthesis, "A map made from the direction field; {} takes every default."},
@@ -152,7 +155,7 @@ Shape describeMap() {
             {"light", list(number(-kLength, kLength), 3, 3),
              "Towards a light, in the scene root's space: the alpha-shading map shows the wrinkles lit from "
              "there."},
-            {"shading", file(), "An alpha-shading map; default: derived from the wrinkles."}})});
+            {"shading", image(), "An alpha-shading map; default: derived from the wrinkles."}})});
 }
 
 Shape describeLayer() {
@@ -174,7 +177,7 @@ Shape describeLayer() {
         "it."},
        {"bias",
         forms({"texture", "attribute"},
-              {{"texture", file(), "An image, read at the vertices."},
+              {{"texture", image(), "An image, read at the vertices."},
                {"attribute", text(), "A vertex attribute, such as COLOR_0."},
                {"channel", channel(), "Of the image or attribute; default r."},
                {"neutral", number(0, 1), "The value that leaves the weight alone; default 0.5."}}),

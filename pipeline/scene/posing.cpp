@@ -1,8 +1,10 @@
 #include "pipeline/scene/posing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
 #include <span>
 
 namespace furrow::pipeline {
@@ -147,6 +149,22 @@ PosedRig evaluate(const Rig& rig, const Pose& pose) {
   for (const PaletteEntry& entry : rig.palette)
     posed.palette.push_back(world[entry.node] * entry.inverse_bind);
   return posed;
+}
+
+double wholeScale(const Rig& rig, const PosedRig& pose) {
+  constexpr double kSame = 1e-4;  // of scales that are written as floats and multiplied along the chain
+  const PosedRig still = evaluate(rig, defaultPose(rig));
+  double whole = 1.0;  // its square
+  for (size_t e = 0; e < still.palette.size(); ++e) {
+    const glm::dmat3 linear = glm::dmat3(pose.palette[e]) * glm::inverse(glm::dmat3(still.palette[e]));
+    const glm::dmat3 metric = glm::transpose(linear) * linear;
+    const double scale = (metric[0][0] + metric[1][1] + metric[2][2]) / 3.0;
+    if (e == 0) whole = scale;
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r)
+        if (!(std::abs(metric[c][r] - (c == r ? whole : 0.0)) <= kSame * whole)) return 1.0;
+  }
+  return std::abs(whole - 1.0) > kSame && std::isnormal(whole) ? std::sqrt(whole) : 1.0;
 }
 
 std::vector<glm::dvec3> posePart(const SourceScene& scene, const Part& part, const PosedRig& pose) {

@@ -10,11 +10,12 @@
 #include "furrow/asset.h"
 #include "furrow/jobs.h"
 #include "pipeline/import/import.h"
-#include "pipeline/maps/image.h"
+#include "pipeline/maps/png.h"
 #include "pipeline/pack/rig_section.h"
 #include "pipeline/scene/posing.h"
 #include "tests/cli/tool.h"
 #include "tests/unit/texture_decoder.h"
+#include "tests/unit/textured_square.h"
 
 namespace furrow::test {
 namespace {
@@ -171,6 +172,36 @@ class Export : public ToolTest {
     }
   }
 
+  // The model's own colours and normals are the materials' textures.
+  void expectBaseMaps() const {
+    ASSERT_EQ(scene_.parts.size(), asset().parts.size());
+    for (size_t p = 0; p < scene_.parts.size(); ++p) {
+      if (asset().parts[p].base_maps == kAbsent) continue;
+      const BaseMaps& maps = asset().base_maps[asset().parts[p].base_maps];
+      const pipeline::MaterialMaps& written = scene_.materials.at(scene_.parts[p].material).maps;
+      EXPECT_FLOAT_EQ(written.opaque_from, maps.opaque_from);
+      const auto expectImage = [&](const Texture& texture, const pipeline::MaterialMap& map,
+                                   const float(&uv)[6]) {
+        ASSERT_EQ(map.image == pipeline::kNoIndex, texture.slices == 0);
+        if (texture.slices == 0) return;
+        for (int i = 0; i < 6; ++i) EXPECT_NEAR(map.uv[i / 2][i % 2], uv[i], 1e-5f) << i;
+        const pipeline::ByteImage image = pipeline::readByteImage(scene_.images[map.image].bytes, "image");
+        ASSERT_EQ(image.width, texture.width);
+        ASSERT_EQ(image.channels, texture.format == TextureFormat::kBc3 ? 4u : 3u);
+        const bool normals = texture.format == TextureFormat::kBc5;
+        for (uint32_t y = 0; y < image.height; y += 3)
+          for (uint32_t x = 0; x < image.width; x += 3) {
+            const Float4 texel = texelAt(texture, 0, 0, x, y);
+            const float stored[] = {texel.x, texel.y, texel.z, texel.w};
+            for (uint32_t c = 0; c < (normals ? 2 : image.channels); ++c)
+              ASSERT_NEAR(static_cast<float>(image.at(x, y)[c]) / 255.0f, stored[c], 0.5001f / 255.0f);
+          }
+      };
+      expectImage(maps.color, written.color, maps.color_uv);
+      expectImage(maps.normal, written.normal, maps.normal_uv);
+    }
+  }
+
   void expectValues() const {
     const std::vector<float> points = attribute("_POINT");
     ASSERT_EQ(points.size(), asset().vertexCount());
@@ -229,6 +260,30 @@ TEST_F(Export, OfTheFaceIsTheFace) {
     if (part.texture_set != kAbsent)
       for (const json& material : gltf_["materials"])
         if (material["name"] == part.material) expectMaps(asset().texture_sets[part.texture_set], material);
+  EXPECT_FALSE(asset().base_maps.empty());
+  expectBaseMaps();
+}
+
+TEST_F(Export, KeepsColoursAndNormalsWhereTheyLie) {
+  std::array<Color, 4> colors = kQuadrants;
+  colors[1][3] = 0;
+  const auto png = [&](uint32_t channels) {
+    const std::vector<std::byte> bytes = pipeline::encodePng(quadrants(channels, colors));
+    const auto* begin = reinterpret_cast<const uint8_t*>(bytes.data());
+    return std::vector<uint8_t>(begin, begin + bytes.size());
+  };
+  Square square;
+  const std::string images = square.embedded(png(4)) + "},{" + square.embedded(png(3));
+  exportAsset(square.write(
+      "own.glb", images, "\"source\":0},{\"source\":1",
+      R"("alphaMode":"MASK","alphaCutoff":0.25,"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":)"
+      R"({"KHR_texture_transform":{"offset":[0.25,0.5],"rotation":2.5,"scale":[2,-3]}}}},)"
+      R"("normalTexture":{"index":1,"extensions":{"KHR_texture_transform":{"scale":[-1,0.5]}}})"));
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(scene_.warnings, std::vector<std::string>{});
+  EXPECT_EQ(asset().base_maps[0].opaque_from, 0.25f);
+  EXPECT_EQ(asset().base_maps[0].normal.slices, 1u);
+  expectBaseMaps();
 }
 
 TEST_F(Export, OfTheSleeveBendsAsTheSleeve) {

@@ -155,6 +155,39 @@ TEST_F(RecipeTool, ATakePlaysTheMorphTargetsItHasShapesFor) {
   expectOneLine(eval({"--take", folder() / "gone.csv"}), 1, "gone.csv");
 }
 
+// DESIGN: the scale of a whole instance is no squeeze.
+TEST_F(RecipeTool, AClipThatScalesTheWholeModelWrinklesNothing) {
+  GltfBuilder builder;
+  builder.add<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3", 3);
+  builder.add<uint16_t>({0, 1, 2, 0, 2, 3}, "SCALAR", 1);
+  builder.add<float>({0, 1}, "SCALAR", 1);
+  builder.add<float>({1, 1, 1, 0.5f, 0.5f, 0.5f}, "VEC3", 3);
+  const std::filesystem::path shrinking = write(
+      "shrinking.glb",
+      builder.glb(
+          R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1]},{"mesh":0}],"animations":[{"name":"shrink",)"
+          R"("samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":0,"path":"scale"}}]}],)"
+          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])"));
+  const Outcome cooked = run({"cook", shrinking, "-o", asset});
+  ASSERT_EQ(cooked.status, 0);
+  EXPECT_NE(cooked.err.find("no clip and no morph target squeezes it"), std::string::npos) << cooked.err;
+  const auto weights = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"eval",   asset,    "--backend", "cpu",
+                                          "--clip", "shrink", "--time",    "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const std::string csv = run(arguments).out;
+    std::vector<double> found;
+    for (size_t line = csv.find('\n'); line + 1 < csv.size(); line = csv.find('\n', line + 1)) {
+      const size_t end = csv.find('\n', line + 1);
+      found.push_back(std::atof(csv.substr(csv.rfind(',', end) + 1).c_str()));
+    }
+    EXPECT_EQ(found.size(), 4u) << csv;
+    return found;
+  };
+  for (const double weight : weights({})) EXPECT_NEAR(weight, 0.0, 1e-4);
+  for (const double weight : weights({"--scale", "1"})) EXPECT_GT(weight, 0.5);
+}
+
 TEST_F(RecipeTool, TheDepfileNamesWhatWasRead) {
   const std::string recipe = write("my recipe.json", R"({"layers":[{"name":"a"}]})");
   ASSERT_EQ(cook({"--recipe", recipe, "--depfile", output() / "out.d"}).status, 0);

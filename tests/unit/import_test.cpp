@@ -222,6 +222,11 @@ TEST(Import, GltfWithFilesAndDataUris) {
   expectSound(scene);
   ASSERT_EQ(scene.dependencies.size(), 2u);
   EXPECT_EQ(scene.dependencies[1].filename(), "full buffer.bin");
+  for (const char* uri :
+       {"C:\\\\export\\\\full buffer.bin", "elsewhere/full%20buffer.bin", ".\\\\full buffer.bin"})
+    EXPECT_TRUE(fs::equivalent(importText("elsewhere.gltf", file.json(kFull, uri)).dependencies[1],
+                               scene.dependencies[1]))
+        << uri;
   EXPECT_THAT(refusalOf("missing.gltf", file.json(kFull, "nowhere.bin")), HasSubstr("nowhere.bin"));
 
   // (0, 0, 0), (1, 0, 0), (0, 1, 0) in base64.
@@ -369,7 +374,8 @@ TEST(Import, RequiredExtensionsAreKnownOrNamed) {
     EXPECT_THAT(refusalOf("required.glb", requiring(name)), HasSubstr(name));
   for (const char* name : {"EXT_texture_webp", "KHR_texture_transform"})
     EXPECT_THAT(importText("read.glb", requiring(name)).warnings, IsEmpty());
-  for (const char* name : {"KHR_materials_unlit", "KHR_lights_punctual"})
+  for (const char* name :
+       {"KHR_materials_unlit", "KHR_lights_punctual", "KHR_node_visibility", "VRMC_vrm", "FB_ngon_encoding"})
     EXPECT_THAT(importText("harmless.glb", requiring(name)).warnings, ElementsAre(HasSubstr(name)));
 }
 

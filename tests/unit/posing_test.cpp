@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
 #include "pipeline/import/import.h"
@@ -292,6 +293,36 @@ TEST(Posing, ChildBeforeParentAndNegativeScale) {
   expectNear(posePart(scene, scene.parts[0], rest)[0], {1, -1, 13}, 1e-12);
   // The matrix turns by 90 degrees about z and moves by 7: (-2, 1, 3) + (7, 0, 0).
   expectNear(posePart(scene, scene.parts[1], rest)[0], {5, 1, 3}, 1e-12);
+}
+
+// A root, two joints below it and a mesh of its own beside them; inverse bind matrices with a scale.
+TEST(Posing, AWholeModelThatIsScaledIsToldFromScaledJoints) {
+  Rig rig;
+  rig.nodes.resize(4);
+  rig.nodes[0].scale = glm::dvec3(0.01);
+  for (uint32_t n = 1; n < 4; ++n) rig.nodes[n].parent = n == 2 ? 1 : 0;
+  for (uint32_t n = 1; n < 4; ++n)
+    rig.palette.push_back({n, glm::scale(glm::dmat4(1.0), glm::dvec3(n == 3 ? 1.0 : 100.0))});
+  const auto scaleOf = [&](const auto& change) {
+    Pose pose = defaultPose(rig);
+    change(pose.nodes);
+    return wholeScale(rig, evaluate(rig, pose));
+  };
+  using Nodes = std::vector<Node>;
+  const glm::dquat turn = glm::angleAxis(1.0, glm::normalize(glm::dvec3(1, 2, 3)));
+  EXPECT_EQ(scaleOf([](Nodes&) {}), 1.0);
+  EXPECT_EQ(scaleOf([&](Nodes& nodes) { nodes[0].rotation = nodes[2].rotation = turn; }), 1.0);
+  EXPECT_NEAR(scaleOf([&](Nodes& nodes) {
+                nodes[0].scale = glm::dvec3(0.005);
+                nodes[0].rotation = nodes[1].rotation = turn;
+                nodes[2].translation = {5, 0, 0};
+              }),
+              0.5, 1e-12);
+  EXPECT_NEAR(scaleOf([](Nodes& nodes) { nodes[1].scale = nodes[3].scale = glm::dvec3(3.0); }), 3.0, 1e-12);
+  EXPECT_NEAR(scaleOf([](Nodes& nodes) { nodes[0].scale = glm::dvec3(-0.02); }), 2.0, 1e-12);
+  EXPECT_EQ(scaleOf([](Nodes& nodes) { nodes[1].scale = glm::dvec3(0.5); }), 1.0);
+  EXPECT_EQ(scaleOf([](Nodes& nodes) { nodes[0].scale = {0.01, 0.005, 0.01}; }), 1.0);
+  EXPECT_EQ(scaleOf([](Nodes& nodes) { nodes[0].scale = glm::dvec3(0.0); }), 1.0);
 }
 
 TEST(Posing, MorphsMoveBeforeTheSkinTurns) {

@@ -448,7 +448,7 @@ TEST_F(RecipeTest, ImagesMustExist) {
   EXPECT_EQ(layerError(R"("stretch": {"synthesize": {}, "shading": "gone.png"})"),
             "layers[0].stretch.shading: no such file " + missing + ": paths are relative to the recipe");
   EXPECT_THAT(layerError(R"("compress": {"height": "."})"), testing::HasSubstr("no such file"));
-  EXPECT_THAT(layerError(R"("compress": {"height": ""})"), testing::HasSubstr("give the path of a file"));
+  EXPECT_THAT(layerError(R"("compress": {"height": ""})"), testing::HasSubstr("give the path of an image"));
   EXPECT_EQ(std::get<MaskTexture>(layer(R"("mask": {"texture": "sub/../map.png"})").mask).texture,
             folder_ / "map.png");
 }
