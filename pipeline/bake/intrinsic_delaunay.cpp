@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
+
+#include "pipeline/bake/bucket_sort.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -50,7 +52,6 @@ class Flipper {
   double length(Side side) const { return triangles_[side / 3].lengths[side % 3]; }
   double cotangent(Side side) const { return triangles_[side / 3].cotangent(static_cast<int>(side % 3)); }
 
-  // By the lower of their ends, and among those by the other; the two sides of an edge come in their order.
   void pairSides() {
     const auto ends = [&](Side side) {
       return std::minmax({facedBy(next(side)), facedBy(next(next(side)))});
@@ -58,21 +59,10 @@ class Flipper {
     uint32_t points = 0;
     for (const IntrinsicTriangle& triangle : triangles_)
       points = std::max(points, 1 + std::ranges::max(triangle.corners));
-    std::vector<uint32_t> begin(points + 1, 0);
-    for (Side side = 0; side < twin_.size(); ++side) ++begin[ends(side).first];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    std::vector<Side> sides(twin_.size());
-    for (Side side = 0; side < twin_.size(); ++side) sides[--begin[ends(side).first]] = side;
-    for (uint32_t point = 0; point < points; ++point) {
-      const auto first = sides.begin() + begin[point], last = sides.begin() + begin[point + 1];
-      std::sort(first, last, [&](Side a, Side b) {
-        const uint32_t to_a = ends(a).second, to_b = ends(b).second;
-        return to_a != to_b ? to_a < to_b : a < b;
-      });
-      for (auto side = first, end = first; side != last; side = end) {
-        while (end != last && ends(*end).second == ends(*side).second) ++end;
-        if (end - side == 2 && facedBy(next(side[0])) == facedBy(next(next(side[1])))) pair(side[0], side[1]);
-      }
+    const std::vector<Side> sides = sidesByEnds(static_cast<uint32_t>(twin_.size()), points, ends);
+    for (auto side = sides.begin(), end = side; side != sides.end(); side = end) {
+      while (end != sides.end() && ends(*end) == ends(*side)) ++end;
+      if (end - side == 2 && facedBy(next(side[0])) == facedBy(next(next(side[1])))) pair(side[0], side[1]);
     }
   }
 

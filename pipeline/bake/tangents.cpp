@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numeric>
 #include <tuple>
+
+#include "pipeline/bake/bucket_sort.h"
+#include "runtime/src/near_cells.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -39,10 +42,15 @@ std::vector<uint32_t> mergeEqual(std::span<const glm::vec3> positions, std::span
     return std::tie(positions[v].x, positions[v].y, positions[v].z, normals[v].x, normals[v].y, normals[v].z,
                     uvs[v].x, uvs[v].y);
   };
-  std::vector<uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(),
-            [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+  const auto bits = [](float x) { return std::bit_cast<uint32_t>(x + 0.0f); };  // 0 is -0
+  const auto count = static_cast<uint32_t>(positions.size());
+  const std::vector<uint32_t> order = bucketSorted(
+      count, count,
+      [&](uint32_t v) {
+        const glm::vec3 p = positions[v];
+        return static_cast<uint32_t>(hashOfThree(bits(p.x), bits(p.y), bits(p.z)) % count);
+      },
+      [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
   std::vector<uint32_t> first(positions.size());
   for (size_t i = 0; i < order.size(); ++i) {
     first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "pipeline/bake/bucket_sort.h"
 #include "pipeline/bake/rest_view.h"
 
 namespace furrow::pipeline {
@@ -26,18 +28,26 @@ Topology inspect(std::span<const glm::vec3> positions, std::span<const uint32_t>
   }
   found.isolated_vertices = static_cast<uint32_t>(std::count(used.begin(), used.end(), false));
 
-  std::sort(corners.begin(), corners.end());
-  const auto distinct = std::unique(corners.begin(), corners.end());
-  found.duplicate_triangles = static_cast<uint32_t>(corners.end() - distinct);
-  std::vector<std::pair<uint32_t, uint32_t>> edges;
-  for (auto p = corners.begin(); p != distinct; ++p)
-    edges.insert(edges.end(), {{(*p)[0], (*p)[1]}, {(*p)[1], (*p)[2]}, {(*p)[0], (*p)[2]}});
-  std::sort(edges.begin(), edges.end());
-  for (auto edge = edges.begin(); edge != edges.end();) {
-    const auto next = std::find_if(edge, edges.end(), [&](const auto& other) { return other != *edge; });
-    found.border_edges += next - edge == 1;
-    found.non_manifold_edges += next - edge > 2;
-    edge = next;
+  const uint32_t points = vertex_point.empty() ? 0 : 1 + std::ranges::max(vertex_point);
+  std::vector<uint32_t> order = bucketSorted(
+      static_cast<uint32_t>(corners.size()), points, [&](uint32_t t) { return corners[t][0]; },
+      [&](uint32_t a, uint32_t b) { return corners[a] < corners[b]; });
+  const auto distinct = std::unique(order.begin(), order.end(),
+                                    [&](uint32_t a, uint32_t b) { return corners[a] == corners[b]; });
+  found.duplicate_triangles = static_cast<uint32_t>(order.end() - distinct);
+  order.erase(distinct, order.end());
+
+  const auto ends = [&](uint32_t side) {
+    const auto& [a, b, c] = corners[order[side / 3]];
+    return side % 3 == 0 ? std::pair(a, b) : side % 3 == 1 ? std::pair(b, c) : std::pair(a, c);
+  };
+  const std::vector<uint32_t> sides = sidesByEnds(static_cast<uint32_t>(3 * order.size()), points, ends);
+  for (auto side = sides.begin(); side != sides.end();) {
+    const auto next =
+        std::find_if(side, sides.end(), [&](uint32_t other) { return ends(other) != ends(*side); });
+    found.border_edges += next - side == 1;
+    found.non_manifold_edges += next - side > 2;
+    side = next;
   }
   return found;
 }

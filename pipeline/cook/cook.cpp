@@ -25,6 +25,8 @@
 namespace furrow::pipeline {
 namespace {
 
+constexpr size_t kLarge = 1'000'000;  // triangles from which on layers are baked one by one, to save memory
+
 class Cook {
  public:
   Cook(SourceScene scene, const Recipe& recipe, const CookOptions& options)
@@ -69,7 +71,8 @@ class Cook {
                            masks,  options_.images, recipe_file_};
     std::vector<BakedLayer> layers(recipe_.layers.size());
     std::vector<std::vector<std::filesystem::path>> images(layers.size());
-    parallelFor(static_cast<uint32_t>(layers.size()), options_.threads,
+    const bool large = packed_.surface.triangles.size() > kLarge;
+    parallelFor(static_cast<uint32_t>(layers.size()), large ? 1 : options_.threads,
                 [&](uint32_t l) { layers[l] = bakeLayer(input, recipe_.layers[l], images[l]); });
     for (const auto& files : images) dependencies_.insert(dependencies_.end(), files.begin(), files.end());
     resolveNames();

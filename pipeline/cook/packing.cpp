@@ -53,15 +53,12 @@ class Packer {
     return sums;
   }
 
-  // Unit normals of a part's vertices; `smooth` ones where the file has none.
-  std::vector<glm::vec3> normalsOf(const Part& part, uint32_t first_vertex, const glm::dmat4& bind,
-                                   std::span<const glm::dvec3> smooth) const {
-    const Primitive& primitive = scene_.primitives[part.primitive];
-    std::vector<glm::vec3> normals = primitive.normals;
-    if (normals.empty())
-      for (size_t v = 0; v < primitive.positions.size(); ++v)
-        normals.push_back(unit(smooth[weld_.vertex_point[first_vertex + v]] * glm::dmat3(bind), {0, 1, 0}));
-    for (glm::vec3& n : normals) n = unit(n, {0, 1, 0});
+  // Unit normals of a part's vertices that has none in the file.
+  std::vector<glm::vec3> smoothNormals(const Part& part, uint32_t first_vertex, const glm::dmat4& bind,
+                                       std::span<const glm::dvec3> smooth) const {
+    std::vector<glm::vec3> normals(scene_.primitives[part.primitive].positions.size());
+    for (size_t v = 0; v < normals.size(); ++v)
+      normals[v] = unit(smooth[weld_.vertex_point[first_vertex + v]] * glm::dmat3(bind), {0, 1, 0});
     return normals;
   }
 
@@ -111,14 +108,19 @@ class Packer {
     }
     closeCracks(bind, steps);
     const std::vector<glm::dvec3> smooth = triangleNormals(bind);
+    for (Primitive& primitive : scene_.primitives)
+      for (glm::vec3& n : primitive.normals) n = unit(n, {0, 1, 0});
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
-      const std::vector<glm::vec3> normals = normalsOf(part, first_vertex, bind[out_.parts.size()], smooth);
-      const std::span<const glm::uvec3> triangles = trianglesOf(primitive);
-      const std::vector<glm::vec4> frames =
-          primitive.tangents.empty() ? tangents(primitive.positions, normals, primitive.uvs, triangles)
-                                     : primitive.tangents;
+      std::vector<glm::vec3> made_normals;
+      if (primitive.normals.empty())
+        made_normals = smoothNormals(part, first_vertex, bind[out_.parts.size()], smooth);
+      const std::span<const glm::vec3> normals = primitive.normals.empty() ? made_normals : primitive.normals;
+      std::vector<glm::vec4> made_frames;
+      if (primitive.tangents.empty())
+        made_frames = tangents(primitive.positions, normals, primitive.uvs, trianglesOf(primitive));
+      const std::span<const glm::vec4> frames = primitive.tangents.empty() ? made_frames : primitive.tangents;
       PackedPart packed = packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1,
                                        steps[out_.parts.size()], codec_, geometry_.emplace_back());
       packed.mesh = part.mesh;

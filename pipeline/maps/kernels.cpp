@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "pipeline/bake/bucket_sort.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -242,29 +243,25 @@ class Builder {
     std::vector<uint32_t> offsets, triangles;
   };
   Edges edges() const {
-    struct HalfEdge {
-      uint32_t low, high, corner;
+    std::vector<uint32_t> sides;
+    for (uint32_t t = 0; t < corners_.size(); ++t)
+      if (reached_[t]) sides.insert(sides.end(), {3 * t, 3 * t + 1, 3 * t + 2});
+    const auto ends = [&](uint32_t i) {
+      const glm::uvec3 p = surface_.trianglePoints(sides[i] / 3);
+      return std::minmax({p[sides[i] % 3], p[(sides[i] + 1) % 3]});
     };
-    std::vector<HalfEdge> half;
-    for (uint32_t t = 0; t < corners_.size(); ++t) {
-      const glm::uvec3 p = surface_.trianglePoints(t);
-      for (uint32_t i = 0; i < 3 && reached_[t]; ++i) {
-        half.push_back({std::min(p[i], p[(i + 1) % 3]), std::max(p[i], p[(i + 1) % 3]), 3 * t + i});
-      }
-    }
-    std::sort(half.begin(), half.end(), [](const HalfEdge& a, const HalfEdge& b) {
-      return std::tie(a.low, a.high, a.corner) < std::tie(b.low, b.high, b.corner);
-    });
+    const std::vector<uint32_t> order = sidesByEnds(
+        static_cast<uint32_t>(sides.size()), static_cast<uint32_t>(surface_.point_positions.size()), ends);
     Edges result;
     result.edge_of.resize(3 * corners_.size());
-    for (size_t i = 0; i < half.size(); ++i) {
-      if (i == 0 || half[i].low != half[i - 1].low || half[i].high != half[i - 1].high) {
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (i == 0 || ends(order[i]) != ends(order[i - 1])) {
         result.offsets.push_back(static_cast<uint32_t>(i));
       }
-      result.edge_of[half[i].corner] = static_cast<uint32_t>(result.offsets.size() - 1);
-      result.triangles.push_back(half[i].corner / 3);
+      result.edge_of[sides[order[i]]] = static_cast<uint32_t>(result.offsets.size() - 1);
+      result.triangles.push_back(sides[order[i]] / 3);
     }
-    result.offsets.push_back(static_cast<uint32_t>(half.size()));
+    result.offsets.push_back(static_cast<uint32_t>(order.size()));
     return result;
   }
 

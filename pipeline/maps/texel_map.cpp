@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <utility>
 
+#include "pipeline/bake/bucket_sort.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -23,14 +23,9 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-// An edge of a triangle, from `corner` to the next one.
+// From a corner of a triangle to the next one.
 struct Edge {
   uint32_t triangle = 0, corner = 0;
-
-  std::pair<uint32_t, uint32_t> ends(const Surface& surface) const {
-    const glm::uvec3 v = surface.triangles[triangle];
-    return std::minmax({v[corner], v[(corner + 1) % 3]});
-  }
 };
 
 class Mapper {
@@ -195,28 +190,6 @@ class Mapper {
   TexelMap map_;
 };
 
-// By vertices, then triangle.
-std::vector<Edge> sortedEdges(const Surface& surface, const SurfacePart& part) {
-  const auto each = [&](const auto& visit) {
-    for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t)
-      for (uint32_t corner = 0; corner < 3; ++corner) {
-        const Edge edge{t, corner};
-        visit(edge, edge.ends(surface).first - part.vertex_begin);
-      }
-  };
-  std::vector<uint32_t> begin(part.vertex_end - part.vertex_begin + 1, 0);
-  each([&](const Edge&, uint32_t low) { ++begin[low]; });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Edge> edges(begin.back());
-  each([&](const Edge& edge, uint32_t low) { edges[--begin[low]] = edge; });
-  for (size_t v = 0; v + 1 < begin.size(); ++v)
-    std::sort(edges.begin() + begin[v], edges.begin() + begin[v + 1], [&](const Edge& a, const Edge& b) {
-      const uint32_t to_a = a.ends(surface).second, to_b = b.ends(surface).second;
-      return to_a != to_b ? to_a < to_b : a.triangle < b.triangle;
-    });
-  return edges;
-}
-
 // Whether the triangles of two edges with the same ends lie on either side of them in UV.
 bool lieApart(const Surface& surface, const Edge& a, const Edge& b) {
   const auto side = [&](const Edge& edge) {
@@ -244,14 +217,21 @@ TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, cons
       mapper.fill(t);
     }
     // A chart ends at an edge that does not have exactly one triangle on either side.
-    const std::vector<Edge> edges = sortedEdges(surface, part);
-    for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-      while (end < edges.size() && edges[end].ends(surface) == edges[begin].ends(surface)) {
+    const auto edgeOf = [&](uint32_t number) { return Edge{part.triangle_begin + number / 3, number % 3}; };
+    const auto ends = [&](uint32_t number) {
+      const auto [triangle, corner] = edgeOf(number);
+      const glm::uvec3 v = surface.triangles[triangle] - part.vertex_begin;
+      return std::minmax({v[corner], v[(corner + 1) % 3]});
+    };
+    const std::vector<uint32_t> edges =
+        sidesByEnds(3 * (part.triangle_end - part.triangle_begin), part.vertex_end - part.vertex_begin, ends);
+    for (auto edge = edges.begin(), end = edge; edge != edges.end(); edge = end) {
+      while (end != edges.end() && ends(*end) == ends(*edge)) {
         ++end;
       }
-      const bool inside = end - begin == 2 && lieApart(surface, edges[begin], edges[begin + 1]);
-      for (size_t i = begin; i < end && !inside; ++i) {
-        mapper.dilate(edges[i], reach);
+      const bool inside = end - edge == 2 && lieApart(surface, edgeOf(edge[0]), edgeOf(edge[1]));
+      for (; edge != end && !inside; ++edge) {
+        mapper.dilate(edgeOf(*edge), reach);
       }
     }
   }

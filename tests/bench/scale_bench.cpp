@@ -7,12 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <glm/vec3.hpp>
-#include <map>
-#include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -61,23 +58,27 @@ class SheetFile {
     add(weights, "VEC4", vertices);
     add(indices, "SCALAR", indices.size());
     add(times, "SCALAR", 2, R"(,"min":[0],"max":[1])");
-    std::string nodes = R"({"mesh":0,"skin":0})", list, channels, samplers;
+    std::ostringstream nodes, skin, samplers, channels;
     for (uint32_t j = 0; j < kJoints; ++j) {
       const float pull = 0.3f * (0.5f - static_cast<float>(j) / kJoints);
       add(std::vector<float>{0.0f, 0.0f, 0.0f, pull, 0.0f, 0.0f}, "VEC3", 2);
-      nodes += ",{}";
-      list += (j ? "," : "") + std::to_string(j + 1);
-      samplers += (j ? "," : "") + std::string(R"({"input":6,"output":)") + std::to_string(7 + j) + "}";
-      channels += (j ? "," : "") + std::string(R"({"sampler":)") + std::to_string(j) +
-                  R"(,"target":{"node":)" + std::to_string(j + 1) + R"(,"path":"translation"}})";
+      const char* comma = j ? "," : "";
+      nodes << ",{}";
+      skin << comma << j + 1;
+      samplers << comma << R"({"input":6,"output":)" << 7 + j << "}";
+      channels << comma << R"({"sampler":)" << j << R"(,"target":{"node":)" << j + 1
+               << R"(,"path":"translation"}})";
     }
-    std::string json =
-        R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(bin_.size()) +
-        R"(}],"bufferViews":[)" + views_ + R"(],"accessors":[)" + accessors_ +
-        R"(],"meshes":[{"name":"sheet","primitives":[{"attributes":{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,)"
-        R"("JOINTS_0":3,"WEIGHTS_0":4},"indices":5}]}],"nodes":[)" +
-        nodes + R"(],"skins":[{"joints":[)" + list + R"(]}],"animations":[{"name":"squeeze","samplers":[)" +
-        samplers + R"(],"channels":[)" + channels + "]}]}";
+    std::ostringstream text;
+    text
+        << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" << bin_.size() << R"(}],"bufferViews":[)"
+        << views_.str() << R"(],"accessors":[)" << accessors_.str()
+        << R"(],"meshes":[{"name":"sheet","primitives":[{"attributes":)"
+        << R"({"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"JOINTS_0":3,"WEIGHTS_0":4},"indices":5}]}],"nodes":[{"mesh":0,"skin":0})"
+        << nodes.str() << R"(],"skins":[{"joints":[)" << skin.str()
+        << R"(]}],"animations":[{"name":"squeeze","samplers":[)" << samplers.str() << R"(],"channels":[)"
+        << channels.str() << "]}]}";
+    std::string json = text.str();
     json.resize((json.size() + 3) / 4 * 4, ' ');
     std::ofstream file(path_, std::ios::binary);
     const auto words = [&](std::initializer_list<size_t> values) {
@@ -100,21 +101,20 @@ class SheetFile {
   static std::string name(uint32_t n) { return "furrow_sheet_" + std::to_string(n) + ".glb"; }
 
   template <typename T>
-  void add(const std::vector<T>& values, const char* type, size_t count, const std::string& more = "") {
-    const auto text = [](size_t number) { return std::to_string(number); };
+  void add(const std::vector<T>& values, const char* type, size_t count, const char* more = "") {
     const size_t begin = bin_.size(), bytes = values.size() * sizeof(T);
     bin_.append(reinterpret_cast<const char*>(values.data()), bytes);
-    const char* component = sizeof(T) == 1 ? "5121" : std::is_same_v<T, float> ? "5126" : "5125";
-    views_ += (begin ? "," : "") +
-              (R"({"buffer":0,"byteOffset":)" + text(begin) + R"(,"byteLength":)" + text(bytes) + "}");
-    accessors_ += (begin ? "," : "") +
-                  (R"({"bufferView":)" + text(views_count_++) + R"(,"componentType":)" + component +
-                   R"(,"count":)" + text(count) + R"(,"type":")" + type + "\"" + more + "}");
+    const int component = sizeof(T) == 1 ? 5121 : std::is_same_v<T, float> ? 5126 : 5125;
+    const char* comma = begin ? "," : "";
+    views_ << comma << R"({"buffer":0,"byteOffset":)" << begin << R"(,"byteLength":)" << bytes << "}";
+    accessors_ << comma << R"({"bufferView":)" << view_count_++ << R"(,"componentType":)" << component
+               << R"(,"count":)" << count << R"(,"type":")" << type << '"' << more << "}";
   }
 
   std::filesystem::path path_;
-  std::string bin_, views_, accessors_;
-  size_t views_count_ = 0;
+  std::string bin_;
+  std::ostringstream views_, accessors_;
+  size_t view_count_ = 0;
 };
 
 // Of this process, in bytes, since resetPeak().
@@ -198,6 +198,7 @@ void cookSheet(benchmark::State& state, const Recipe& recipe) {
 BENCHMARK_CAPTURE(cookSheet, axis, axis())->Arg(1'000'000)->Arg(4'000'000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cookSheet, guides, guides())->Arg(1'000'000)->Arg(4'000'000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cookSheet, animation, animation())->Arg(4'000'000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(cookSheet, defaults, defaultRecipe())->Arg(4'000'000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cookSheet, two_layers, twoLayers())->Arg(4'000'000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
