@@ -553,14 +553,15 @@ HWY_INLINE uint32_t measureLayers(const ClusterFrameJob& job, const Cluster& c, 
   const Clusters& clusters = *job.clusters;
   const AssetView& asset = *clusters.asset;
   const uint32_t* words = clusters.words.data();
+  const uint32_t* measured_with = job.rest.empty() ? words + c.layers : job.rest.data() + c.rest;
   const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
   Pass pass;
   const float* totals[kPass];
   for (uint32_t l = first; l < std::min(first + kPass, asset.layerCount()); ++l) {
     if (!(measuredLayers(job, c) >> l & 1u)) continue;
     const Measure measure = asset.layers[l].measure;
-    const auto* coefficients =
-        reinterpret_cast<const float*>(words + clusters.layer_words[index * asset.layerCount() + l]);
+    const auto* coefficients = reinterpret_cast<const float*>(
+        measured_with + (clusters.layer_words[index * asset.layerCount() + l] - c.layers));
     totals[pass.count] = coefficients + size_t{c.triangles} * coefficientCount(measure);
     pass.directional = pass.directional && measure == Measure::kDirectional;
     pass.measures[pass.count] = measure;
@@ -681,6 +682,8 @@ Status ClusterFrameJob::validate() const {
   if (!positions.empty() && (posed || positions.size() < asset.vertexCount()))
     return Status::error(StatusCode::kInvalidArgument,
                          "frame: positions are too short, or posed by the host");
+  if (!rest.empty() && rest.size() < clusters->restWords())
+    return Status::error(StatusCode::kInvalidArgument, "frame: the rest is too short");
   if (weights.size() < size_t{asset.vertexCount()} * asset.weightStride())
     return Status::error(StatusCode::kInvalidArgument, "frame: weights are too short");
   if ((!responses.empty() && responses.size() != asset.layerCount()) ||

@@ -26,6 +26,8 @@ class Builder {
         triangle_local_(asset.triangleCount(), kAbsent),
         vertex_slot_(asset.vertexCount(), kAbsent) {}
 
+  uint32_t restWords() const { return rest_words_; }
+
   Status build() {
     listVertices();
     std::vector<uint32_t> points(a_.pointCount());
@@ -107,7 +109,12 @@ class Builder {
         for (int k = 0; k < 3; ++k)
           halves_.push_back(static_cast<uint16_t>(4 * vertex_slot_[a_.surface_indices[3 * size_t{t} + k]]));
       c.corners = addHalves(halves_, 3 * size_t{c.triangles});
+      align();
+      c.layers = static_cast<uint32_t>(out_.words.size());
       addLayers(points, c);
+      align();
+      c.rest = rest_words_;
+      rest_words_ += static_cast<uint32_t>(out_.words.size()) - c.layers;
       addRings(points, c);
       addMorphs(c);
       c.end = static_cast<uint32_t>(out_.words.size());
@@ -298,6 +305,7 @@ class Builder {
   std::vector<uint32_t> triangle_local_, vertex_slot_;
   std::vector<uint32_t> triangles_, slots_;  // of the cluster at hand
   std::vector<uint16_t> extra_, halves_;
+  uint32_t rest_words_ = 0;
 };
 
 size_t padded(size_t count, size_t to) {
@@ -362,7 +370,9 @@ Status Clusters::build(const AssetView& source, const ClusterLimits& limits) try
   ClusterLimits most = limits;
   if (most.points == 0)
     most.points = std::clamp(source.pointCount() / kThreadClusters, kFineClusterPoints, kClusterPoints);
-  if (Status status = Builder(source, most, built).build(); !status.ok()) return status;
+  Builder builder(source, most, built);
+  if (Status status = builder.build(); !status.ok()) return status;
+  built.rest_words_ = builder.restWords();
   for (const Cluster& c : built.clusters)
     built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c, source.layerCount()));
   *this = std::move(built);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "furrow/drivers.h"
 
@@ -163,6 +164,7 @@ bool runClustered(FurrowInstance& instance, const Plan& plan) {
     job.posed = reinterpret_cast<const std::byte*>(instance.positions.data());
   }
   const uint32_t layers = instance.asset.view.layerCount();
+  if (instance.recaptured) job.rest = instance.cluster_rest;
   job.scale = plan.values.scale;
   job.responses = {plan.values.responses, layers};
   job.region_weights = {plan.values.regions, layers};
@@ -287,7 +289,7 @@ Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameR
     return {};
   }
   Plan plan;
-  plan.staged = instance.recaptured || frame.laplace_steps > 0 || !instance.asset.clusters.asset;
+  plan.staged = frame.laplace_steps > 0 || !instance.asset.clusters.asset;
   if (Status s = readValues(instance.asset.view, frame, plan.values); !s.ok()) return s;
   if (Status s = planPose(instance, frame, plan); !s.ok()) return s;
   if (Status s = planStages(instance, frame); !s.ok()) return s;
@@ -312,18 +314,31 @@ Status runFrame(FurrowInstance& instance, const FurrowFrame& frame, FurrowFrameR
 }
 
 Status recapture(FurrowInstance& instance, const FurrowFrame& frame) {
-  if (instance.coefficients.empty()) return missing("recapture", "FURROW_USE_RECAPTURE");
+  if (instance.rest_positions.empty()) return missing("recapture", "FURROW_USE_RECAPTURE");
+  const FurrowContext& context = instance.asset.context;
   const AssetView& view = instance.asset.view;
   Plan plan;
   plan.staged = true;
   if (Status s = readValues(view, frame, plan.values); !s.ok()) return s;
   if (Status s = planPose(instance, frame, plan); !s.ok()) return s;
+  // What the last frame left stays.
+  const std::span<Float3> positions = std::exchange(instance.positions, instance.rest_positions);
+  const std::span<Float3> normals = std::exchange(instance.normals, {});
+  const std::span<Float4> tangents = std::exchange(instance.tangents, {});
   bool sound = runPose(instance, frame, plan);
+  instance.positions = positions, instance.normals = normals, instance.tangents = tangents;
+  instance.rest_scale = plan.values.scale;
+
+  const ClusterRecaptureJob clusters{&instance.asset.clusters, instance.rest_positions, instance.rest_scale,
+                                     instance.cluster_rest};
+  if (!instance.cluster_rest.empty())
+    sound = parallel(context, instance.asset.clusters.count(), kClusterGrain,
+                     [&](uint32_t begin, uint32_t end, uint32_t) { clusters.run(begin, end); }) &&
+            sound;
   size_t first = 0;
-  for (uint32_t l = 0; l < view.layerCount(); ++l) {
+  for (uint32_t l = 0; l < instance.own_layers.size(); ++l) {
     const std::span<float> own = instance.coefficients.subspan(first, view.layers[l].coefficients.size());
-    sound = parallelJob(instance.asset.context,
-                        RecaptureJob{&view, l, instance.positions, plan.values.scale, own},
+    sound = parallelJob(context, RecaptureJob{&view, l, instance.rest_positions, instance.rest_scale, own},
                         view.triangleCount()) &&
             sound;
     instance.own_layers[l] = view.layers[l];

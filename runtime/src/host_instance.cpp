@@ -30,8 +30,8 @@ class Carver {
 };
 
 uint32_t completed(uint32_t features) {
-  if (features & FURROW_USE_RECAPTURE) features |= FURROW_USE_LAPLACE;
-  if (features & (FURROW_USE_LAPLACE | FURROW_USE_DUAL_QUATERNIONS | FURROW_KEEP_NORMALS))
+  if (features &
+      (FURROW_USE_LAPLACE | FURROW_USE_RECAPTURE | FURROW_USE_DUAL_QUATERNIONS | FURROW_KEEP_NORMALS))
     features |= FURROW_KEEP_POSITIONS;
   return features;
 }
@@ -148,15 +148,20 @@ size_t layOut(FurrowAsset& asset, uint32_t features, std::byte* memory, FurrowIn
   if (features & FURROW_USE_DUAL_QUATERNIONS) out.motions = carver.take<JointMotion>(view.palette.size());
   out.morph_weights = carver.take<float>(view.morphs.size());
   out.occlusion_deltas = carver.take<std::span<const float>>(view.morphs.size());
-  if (features & FURROW_USE_LAPLACE || !clustered) {
+  const bool staged = features & FURROW_USE_LAPLACE || !clustered;
+  if (staged) {
     out.triangle_q = carver.take<float>(view.triangleCount());
     for (auto& q : out.point_q) q = carver.take<float>(view.pointCount());
   }
   if (features & FURROW_USE_EASE) out.eased = carver.take<float>(weights);
   if (features & FURROW_USE_RECAPTURE) {
+    out.rest_positions = carver.take<Float3>(view.vertexCount());
+    if (clustered) out.cluster_rest = carver.take<uint32_t>(asset.clusters.restWords());
+  }
+  if (features & FURROW_USE_RECAPTURE && staged) {
     size_t coefficients = 0;
     for (const Layer& layer : view.layers) coefficients += layer.coefficients.size();
-    out.coefficients = carver.take<float>(std::max<size_t>(coefficients, 1));
+    out.coefficients = carver.take<float>(coefficients);
     out.own_layers = carver.take<Layer>(view.layerCount());
   }
   if (clustered) {

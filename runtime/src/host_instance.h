@@ -23,13 +23,18 @@ struct FurrowInstance {
   std::span<std::span<const float>> occlusion_deltas;
   std::span<float> triangle_q, point_q[2];  // of the staged form
   std::span<float> eased;
-  std::span<float> coefficients;  // of its own rest, the layers one after the other
+  // Of its own rest: where its vertices are, what the clusters measure with, and, for the staged form, the
+  // layers' coefficients one after the other.
+  std::span<furrow::Float3> rest_positions;
+  std::span<uint32_t> cluster_rest;
+  std::span<float> coefficients;
   std::span<furrow::Layer> own_layers;
   std::span<std::byte> scratch;  // of all workers
   size_t scratch_each = 0;
 
   furrow::AssetView own_rest;  // the asset's with own_layers, after a recapture
   bool recaptured = false;
+  float rest_scale = 1.0f;  // that rest_positions contain
   bool fresh = true;  // nothing to ease from
   uint64_t calls = 0;
   float pending_seconds = 0.0f;

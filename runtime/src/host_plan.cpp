@@ -15,23 +15,22 @@ struct FurrowPlan {
   FurrowPlan(const FurrowPlan&) = delete;
   FurrowPlan& operator=(const FurrowPlan&) = delete;
 
-  // The view, with coefficients of its own if the instance has them.
+  // The view, with coefficients of its own if the instance was recaptured.
   const AssetView& takeRest(const FurrowInstance* rest) {
     if (!rest || !rest->recaptured) return view;
-    coefficients.assign(rest->coefficients.begin(), rest->coefficients.end());
-    layers.assign(rest->own_layers.begin(), rest->own_layers.end());
-    for (Layer& layer : layers)
-      layer.coefficients =
-          std::span(coefficients)
-              .subspan(static_cast<size_t>(layer.coefficients.data() - rest->coefficients.data()),
-                       layer.coefficients.size());
+    layers.assign(view.layers.begin(), view.layers.end());
+    for (uint32_t l = 0; l < layers.size(); ++l) {
+      std::vector<float>& own = coefficients.emplace_back(layers[l].coefficients.size());
+      RecaptureJob{&view, l, rest->rest_positions, rest->rest_scale, own}.run(0, view.triangleCount());
+      layers[l].coefficients = own;
+    }
     view.layers = layers;
     return view;
   }
 
   FurrowAsset& asset;
   AssetView view;
-  std::vector<float> coefficients;
+  std::vector<std::vector<float>> coefficients;
   std::vector<Layer> layers;
   FramePlan plan;
 };

@@ -350,6 +350,45 @@ static void testOutOfMemory(FurrowContext* context, Host* host, File file) {
   CHECK(host->live_bytes == before);
 }
 
+static uint16_t toHalf(float x) { /* towards 0 */
+  int e;
+  const float m = frexpf(fabsf(x), &e);
+  if (m == 0.0f || e + 14 <= 0) return 0;
+  return (uint16_t)((x < 0 ? 0x8000 : 0) | (e + 14) << 10 | (int)(m * 2048.0f - 1024.0f));
+}
+static float fromHalf(uint16_t h) {
+  const float size = h & 0x7fff ? ldexpf((float)(1024 + (h & 1023)), (h >> 10 & 31) - 25) : 0.0f;
+  return h & 0x8000 ? -size : size;
+}
+
+/* Halves at odd places give the weights of the floats that they are. */
+static void testHalves(FurrowInstance* instance, const FurrowAssetInfo* info, const float* positions) {
+  FurrowStatus status;
+  FurrowFrame frame = {.size = sizeof frame};
+  FurrowPosedMesh mesh;
+  float* floats = malloc(12 * (size_t)info->vertices);
+  unsigned char* halves = calloc(info->vertices, 9);
+  int16_t* expected;
+  uint32_t v, k;
+  for (v = 0; v < info->vertices; ++v)
+    for (k = 0; k < 3; ++k) {
+      const uint16_t half = toHalf(positions[3 * v + k]);
+      memcpy(halves + 9 * v + 3 + 2 * k, &half, 2);
+      floats[3 * v + k] = fromHalf(half);
+      CHECK(fabsf(floats[3 * v + k] - positions[3 * v + k]) <= fabsf(positions[3 * v + k]) / 1024.0f + 1e-4f);
+    }
+  memset(&mesh, 0, sizeof mesh);
+  mesh.from.data = floats, mesh.from.bytes = 12 * (size_t)info->vertices;
+  frame.meshes = &mesh, frame.mesh_count = 1;
+  CHECK_OK(furrow_instance_frame(instance, &frame, NULL, &status));
+  expected = copyWeights(instance, info);
+  mesh.from.data = halves, mesh.from.bytes = 9 * (size_t)info->vertices, mesh.from.format = FURROW_HALF3;
+  mesh.from.offset = 3, mesh.from.stride = 9;
+  CHECK_OK(furrow_instance_frame(instance, &frame, NULL, &status));
+  CHECK(sameWeights(instance, expected, info));
+  free(floats), free(halves), free(expected);
+}
+
 /* The pose by every way in: the same weights. */
 static void testPoses(FurrowContext* context, File file) {
   FurrowStatus status;
@@ -409,6 +448,7 @@ static void testPoses(FurrowContext* context, File file) {
   CHECK(sameWeights(plain, expected, &info) && report.clustered);
   CHECK_OK(furrow_instance_frame(by_stages, &meshes, &report, &status));
   CHECK(sameWeights(by_stages, expected, &info));
+  testHalves(posing, &info, packed);
   mesh.from.data = wide, mesh.from.bytes = 29 * (size_t)info.vertices, mesh.from.offset = 5,
   mesh.from.stride = 29;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_instance_frame(plain, &meshes, &report, &status));
@@ -506,6 +546,42 @@ static void testDualQuaternions(FurrowContext* context, File file) {
   furrow_asset_release(asset), furrow_asset_release(light);
 }
 
+/* From the rest of `frame`, another pose has the same weights in both forms, with and without clusters and
+   Laplacian steps. */
+static void testRestOfItsOwn(FurrowContext* context, File file, FurrowFrame frame) {
+  FurrowStatus status;
+  FurrowAsset* assets[2];
+  FurrowAssetInfo info = {.size = sizeof info};
+  FurrowInstance* instances[3];
+  FurrowFrameReport report = {.size = sizeof report};
+  float* palette;
+  int16_t* expected;
+  int i, steps;
+  assets[0] = loadAsset(context, file, 0, FURROW_ASSET_STAGED), assets[1] = loadAsset(context, file, 0, 0);
+  CHECK_OK(furrow_asset_info(assets[0], &info, &status));
+  palette = makePalette(info.palette, 0.8f);
+  instances[0] = makeInstance(assets[0], FURROW_USE_RECAPTURE);
+  instances[1] = makeInstance(assets[1], FURROW_USE_RECAPTURE);
+  instances[2] = makeInstance(assets[1], FURROW_USE_RECAPTURE | FURROW_USE_LAPLACE);
+  for (i = 0; i < 3; ++i) CHECK_OK(furrow_instance_recapture(instances[i], &frame, &status));
+  frame.palette = palette;
+  for (steps = 0; steps < 3; steps += 2) {
+    frame.laplace_steps = (uint32_t)steps;
+    CHECK_OK(furrow_instance_frame(instances[0], &frame, &report, &status));
+    CHECK(!report.clustered);
+    expected = copyWeights(instances[0], &info);
+    for (i = steps ? 2 : 1; i < 3; ++i) {
+      CHECK_OK(furrow_instance_frame(instances[i], &frame, &report, &status));
+      CHECK(report.clustered == (steps == 0) && sameWeights(instances[i], expected, &info));
+    }
+    free(expected);
+  }
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_instance_frame(instances[1], &frame, &report, &status));
+  for (i = 0; i < 3; ++i) furrow_instance_release(instances[i]);
+  furrow_asset_release(assets[0]), furrow_asset_release(assets[1]);
+  free(palette);
+}
+
 static void testResponse(FurrowContext* context, File file) {
   FurrowStatus status;
   FurrowAsset* asset = loadAsset(context, file, 0, 0);
@@ -519,6 +595,7 @@ static void testResponse(FurrowContext* context, File file) {
   float* palette;
   int16_t* expected;
   const int16_t* w = furrow_instance_weights(instance);
+  float before[3];
   uint32_t i, l;
 
   CHECK_OK(furrow_asset_info(asset, &info, &status));
@@ -573,6 +650,21 @@ static void testResponse(FurrowContext* context, File file) {
               w[i * info.weight_stride] <= half[i * info.weight_stride] + 2500);
     free(half);
   }
+  { /* phases take turns */
+    FurrowInstance *even = makeInstance(asset, 0), *odd = makeInstance(asset, 0);
+    FurrowFrame turn = paletteFrame(palette, &info);
+    turn.every = 2;
+    for (i = 0; i < 5; ++i) {
+      FurrowFrameReport other = {.size = sizeof other};
+      turn.phase = 0;
+      CHECK_OK(furrow_instance_frame(even, &turn, &report, &status));
+      turn.phase = 1;
+      CHECK_OK(furrow_instance_frame(odd, &turn, &other, &status));
+      CHECK(report.computed == (i % 2 == 0) &&
+            other.computed == (i == 0 || i % 2 == 1)); /* the first always */
+    }
+    furrow_instance_release(even), furrow_instance_release(odd);
+  }
   frame.every = 0;
   frame.seconds = -1.0f;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_instance_frame(instance, &frame, &report, &status));
@@ -602,11 +694,14 @@ static void testResponse(FurrowContext* context, File file) {
 
   /* A squeezed pose as rest is at rest; forgotten, it is squeezed. */
   for (i = 0; i < info.palette; ++i) palette[12 * i] = 0.6f;
+  memcpy(before, furrow_instance_positions(instance), sizeof before);
   CHECK_OK(furrow_instance_recapture(instance, &frame, &status));
+  CHECK(memcmp(furrow_instance_positions(instance), before, sizeof before) == 0); /* of the last frame */
   CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
-  CHECK(!report.clustered);
+  CHECK(report.clustered);
   for (i = 0; i < info.vertices; ++i)
     CHECK(abs(w[i * info.weight_stride] - expected[i * info.weight_stride]) <= 60);
+  testRestOfItsOwn(context, file, frame);
   CHECK_OK(furrow_instance_forget_rest(instance, &status));
   CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
   CHECK(report.clustered);
@@ -1182,6 +1277,29 @@ static void testPlanOptions(FurrowContext* context, File file, FurrowAsset* asse
   desc.form = FURROW_FORM_STAGED, desc.laplace_steps = 100000;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_plan_create(asset, &desc, &plan, &status));
   desc.laplace_steps = 0;
+
+  /* Dual quaternions: a turn, 0 for no shift, what is not a turn; another shift changes its four numbers
+   * alone. */
+  desc.skinning = FURROW_SKINNING_DUAL_QUATERNION;
+  CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
+  {
+    const size_t bytes = 17 * sizeof(float) * info.palette;
+    float *motions = malloc(bytes), *shifted = malloc(bytes), *moved = makePalette(info.palette, 1.0f);
+    FurrowFrame turned = frame;
+    turned.palette = moved;
+    CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                  furrow_plan_write(plan, FURROW_BUFFER_PALETTE, &turned, motions, bytes - 1, &status));
+    CHECK_OK(furrow_plan_write(plan, FURROW_BUFFER_PALETTE, &turned, motions, bytes, &status));
+    moved[3] = 2.0f;
+    CHECK_OK(furrow_plan_write(plan, FURROW_BUFFER_PALETTE, &turned, shifted, bytes, &status));
+    CHECK(memcmp(motions, shifted, 4 * sizeof(float)) == 0 && memcmp(motions, shifted, bytes) != 0);
+    CHECK(memcmp(motions + 17, shifted + 17, bytes - 17 * sizeof(float)) == 0);
+    CHECK(fabsf(fabsf(motions[0]) + fabsf(motions[1]) + fabsf(motions[2]) + fabsf(motions[3]) - 1.0f) <
+          1e-5f);
+    free(motions), free(shifted), free(moved);
+  }
+  furrow_plan_release(plan);
+  desc.skinning = FURROW_SKINNING_LINEAR;
 
   /* Twice as large, half as much a unit of length. */
   palette = makePalette(info.palette, 2.0f);

@@ -1,7 +1,5 @@
 // The clustered frame against the staged one: the same bits on every instruction set, split and thread.
 
-#include "furrow/cluster_frame.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "furrow/recapture.h"
 #include "sheets.h"
 
 namespace {
@@ -256,6 +255,68 @@ TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
       EXPECT_EQ(weights, staged.weights) << stride << " " << simdName(simd);
     }
   }
+}
+
+// In the captured pose one corner of the sheet is folded to a point and one vertex is nowhere: what lies
+// there is measured no more.
+TEST(ClusterFrame, ARestOfItsOwnGivesTheBitsOfTheStagedFrame) {
+  const Asset asset = tests::cookAsset(
+      bumpy(45),
+      tests::recipeOf({layerOf("a", Measure::kDirectional, {1, 0.2, 0}),
+                       layerOf("b", Measure::kArea, {0, 1, 0}), layerOf("c", Measure::kPrincipal, {0, 1, 0}),
+                       layerOf("d", Measure::kNone, {1, 0, 0}),
+                       layerOf("e", Measure::kDirectional, {0, 0, 1})}));
+  const AssetView& view = asset.view();
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(view, {.points = 100}).ok());
+  std::vector<Float3> rest = tests::evaluate(view, {0.5f}, {}, 1.0f).positions;
+  for (Float3& p : rest) {
+    if (p.x < 0.2f && p.y < 0.2f) p = {0.1f, 0.1f, 0.0f};
+    p = {1.5f * p.x, 1.5f * p.y, 1.5f * p.z};
+  }
+  rest[view.point_vertex[view.pointCount() / 2]].x = NAN;
+
+  std::vector<Layer> layers(view.layers.begin(), view.layers.end());
+  std::vector<std::vector<float>> coefficients;
+  size_t left_out = 0;
+  for (uint32_t l = 0; l < view.layerCount(); ++l) {
+    auto& own = coefficients.emplace_back(layers[l].coefficients.size());
+    RecaptureJob{&view, l, rest, 1.5f, own}.run(0, view.triangleCount());
+    for (size_t i = 0; i < own.size(); ++i) left_out += own[i] == 0.0f && layers[l].coefficients[i] != 0.0f;
+    layers[l].coefficients = own;
+  }
+  EXPECT_GT(left_out, 20u);
+  AssetView own = view;
+  own.layers = layers;
+
+  std::vector<uint32_t, LineAllocator<uint32_t>> words(clusters.restWords());
+  const ClusterRecaptureJob recapture{&clusters, rest, 1.5f, words};
+  ASSERT_TRUE(recapture.validate().ok());
+  recapture.run(1, clusters.count());
+  recapture.run(0, 1);
+  std::vector<std::byte, LineAllocator<std::byte>> scratch(clusters.scratchBytes());
+  for (float weight : {0.0f, 0.5f, 1.0f}) {
+    const Frame staged = tests::evaluate(own, {weight});
+    EXPECT_NE(staged.weights, tests::evaluate(view, {weight}).weights);
+    for (Simd simd : available()) {
+      std::vector<int16_t> weights(staged.weights.size());
+      ClusterFrameJob job;
+      job.clusters = &clusters;
+      job.posed = reinterpret_cast<const std::byte*>(staged.positions.data());
+      job.rest = words;
+      job.weights = weights;
+      job.simd = simd;
+      ASSERT_TRUE(job.validate().ok());
+      job.run(0, clusters.count(), scratch);
+      EXPECT_EQ(weights, staged.weights) << simdName(simd) << " at " << weight;
+    }
+  }
+
+  const std::span<uint32_t> all(words);
+  EXPECT_FALSE((ClusterRecaptureJob{&clusters, rest, 1.5f, all.subspan(1)}.validate().ok()));
+  EXPECT_FALSE((ClusterRecaptureJob{&clusters, rest, 0.0f, all}.validate().ok()));
+  EXPECT_FALSE((ClusterRecaptureJob{&clusters, std::span(rest).subspan(1), 1.5f, all}.validate().ok()));
+  EXPECT_FALSE((ClusterRecaptureJob{nullptr, rest, 1.5f, all}.validate().ok()));
 }
 
 // A host has no vertices for the part that no layer covers; the rings at the border know nothing of it.

@@ -9,8 +9,8 @@
 
 #include "editor/preview/loaded_asset.h"
 #include "editor/preview/posed_frame.h"
-#include "furrow/cluster_frame.h"
 #include "furrow/gl/executor.h"
+#include "furrow/recapture.h"
 #include "pipeline/import/import.h"
 #include "pipeline/scene/posing.h"
 #include "tests/image/gl_fixture.h"
@@ -104,7 +104,8 @@ Weighed staged(const AssetView& view, const FrameInput& input, uint32_t laplace_
 }
 
 // On so many threads, the last clusters first.
-Weighed clustered(const Clusters& clusters, const FrameInput& input, Simd simd, uint32_t threads) {
+Weighed clustered(const Clusters& clusters, const FrameInput& input, Simd simd, uint32_t threads,
+                  std::span<const uint32_t> rest = {}) {
   const AssetView& view = *clusters.asset;
   Weighed out{std::vector<Float3>(view.vertexCount()),
               std::vector<int16_t>(size_t{view.vertexCount()} * view.weightStride())};
@@ -115,6 +116,7 @@ Weighed clustered(const Clusters& clusters, const FrameInput& input, Simd simd, 
   job.region_weights = input.region_weights;
   job.scale = input.scale;
   job.positions = out.positions;
+  job.rest = rest;
   job.weights = out.weights;
   job.simd = simd;
   EXPECT_TRUE(job.validate().ok());
@@ -130,6 +132,23 @@ Weighed clustered(const Clusters& clusters, const FrameInput& input, Simd simd, 
     });
   pool.clear();
   return out;
+}
+
+// From a rest of its own, which the instance has in `positions`.
+void expectFromRest(const Clusters& clusters, const std::vector<Float3>& positions, const FrameInput& input) {
+  const AssetView& view = *clusters.asset;
+  std::vector<Layer> layers(view.layers.begin(), view.layers.end());
+  std::vector<std::vector<float>> coefficients;
+  for (uint32_t l = 0; l < view.layerCount(); ++l) {
+    auto& own = coefficients.emplace_back(layers[l].coefficients.size());
+    RecaptureJob{&view, l, positions, input.scale, own}.run(0, view.triangleCount());
+    layers[l].coefficients = own;
+  }
+  AssetView own = view;
+  own.layers = layers;
+  std::vector<uint32_t, LineAllocator<uint32_t>> rest(clusters.restWords());
+  ClusterRecaptureJob{&clusters, positions, input.scale, rest}.run(0, clusters.count());
+  EXPECT_EQ(clustered(clusters, input, bestSimd(), 2, rest).weights, staged(own, input).weights);
 }
 
 bool sameBits(const Weighed& a, const Weighed& b) {
@@ -203,6 +222,8 @@ TEST_P(CorpusForms, GiveTheSameWeights) {
               << simdName(simd) << ' ' << threads << " threads, pose " << expected.size() - 1;
       }
     }
+    for (size_t f = 0; f + 1 < frames.size(); ++f)
+      expectFromRest(clusters, expected[f].positions, frames.back().input);
     expectOnGpu(view, frames, expected);
     expectOnGpu(view, frames, smoothed, kLaplaceSteps);
     ++files;

@@ -61,6 +61,8 @@ struct Cluster {
   uint32_t slot_vertex;  // a word a slot: the asset's vertex
   uint32_t extra_point;  // 16 bits a vertex beyond the points: its point
   uint32_t corners;      // 16 bits, 3 a triangle: 4 * slot
+  uint32_t layers;       // where layer_words begin
+  uint32_t rest;         // where they begin in an instance's own rest
   uint32_t
       chunks;  // a word for every kRingLanes points, and one more: where their ring begins in words. A step
                // of a ring has 16 bits a point, its triangle, then 16 bits a point, that triangle's weight
@@ -93,6 +95,8 @@ class Clusters {
 
   // Joints take 16 bits, since the palette has more than 256 entries.
   bool wideJoints() const { return asset->palette.size() > 256; }
+  // Words of an instance's own rest (recapture.h): for each cluster what its layers have in `words`.
+  size_t restWords() const { return rest_words_; }
   // Words of kPoseLanes slots in a cluster's pose.
   uint32_t poseGroupWords(bool quantized) const {
     return kPoseLanes / 2 * ((quantized ? 3 : 6) + asset->influences - 1) +
@@ -117,7 +121,7 @@ class Clusters {
   std::pmr::vector<uint32_t> morph_index;  // a slot of a run: which of Morph::vertices
 
  private:
-  size_t scratch_bytes_ = 0;
+  size_t scratch_bytes_ = 0, rest_words_ = 0;
 };
 
 // One frame of one instance. Items: clusters, any number of threads on disjoint ranges. Does not allocate,
@@ -133,6 +137,7 @@ struct ClusterFrameJob {
   std::span<const float> morph_weights;
   std::span<Float3> positions;  // out, posed by the palette, a vertex; or empty
 
+  std::span<const uint32_t> rest;         // the instance's own, of ClusterRecaptureJob; or empty: the asset's
   float scale = 1.0f;                     // uniform scale of the instance that the pose contains, > 0
   std::span<const Response> responses;    // a layer; or empty: the asset's
   std::span<const float> region_weights;  // a layer; or empty: 0

@@ -319,7 +319,7 @@ enum {
   FURROW_KEEP_NORMALS = 2,          // posed normals and tangents, to be read; includes the above
   FURROW_USE_DUAL_QUATERNIONS = 4,  // includes FURROW_KEEP_POSITIONS
   FURROW_USE_LAPLACE = 8,           // extra smoothing; includes FURROW_KEEP_POSITIONS
-  FURROW_USE_RECAPTURE = 16,        // a rest of its own; includes FURROW_USE_LAPLACE
+  FURROW_USE_RECAPTURE = 16,        // a rest of its own; includes FURROW_KEEP_POSITIONS
   FURROW_USE_EASE = 32              // attack and release
 };
 
@@ -406,8 +406,7 @@ typedef struct FurrowFrameReport {
 //
 // The clustered form is used wherever it can be: for a palette with linear skinning and no normals kept it
 // poses on the way; every other pose is brought to float positions first. The staged form, with the same bits
-// in its weights, does what clusters cannot: Laplacian steps, a recaptured rest, and assets that have no
-// clusters.
+// in its weights, does what clusters cannot: Laplacian steps, and assets that have no clusters.
 FURROW_API int32_t furrow_instance_frame(FurrowInstance* instance, const FurrowFrame* frame,
                                          FurrowFrameReport* report, FurrowStatus* status);
 

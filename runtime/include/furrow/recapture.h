@@ -6,6 +6,7 @@
 #include <span>
 
 #include "furrow/asset.h"
+#include "furrow/cluster_frame.h"
 
 namespace furrow {
 
@@ -26,14 +27,24 @@ namespace furrow {
 //   furrow::AssetView own = view;
 //   own.layers = layers;
 //
-// Clusters hold coefficients of their own: a recaptured instance takes the staged jobs, or builds Clusters of
-// its view.
 struct RecaptureJob {
   const AssetView* asset = nullptr;
   uint32_t layer = 0;
   std::span<const Float3> positions;  // of the new rest, a vertex
   float scale = 1.0f;                 // uniform scale of the instance that `positions` contain, > 0
   std::span<float> coefficients;      // out, coefficientCount(measure) a triangle
+
+  Status validate() const;
+  void run(uint32_t begin, uint32_t end) const;
+};
+
+// The same for the clustered frame, of all layers: ClusterFrameJob::rest, with the weights of the staged jobs
+// to the bit. The asset's clusters serve all instances, recaptured or not. Items: clusters.
+struct ClusterRecaptureJob {
+  const Clusters* clusters = nullptr;
+  std::span<const Float3> positions;  // of the new rest, a vertex
+  float scale = 1.0f;                 // uniform scale of the instance that `positions` contain, > 0
+  std::span<uint32_t> rest;           // out, Clusters::restWords(), aligned to 64
 
   Status validate() const;
   void run(uint32_t begin, uint32_t end) const;
