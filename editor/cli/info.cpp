@@ -98,7 +98,6 @@ nlohmann::json describe(const OpenedAsset& opened) {
                                       a.place_hash.size() - a.rig.size()}}},
           {"gpuBytesPerAsset", per_asset},
           {"gpuBytesPerInstance", per_instance},
-          {"tier", describeTier()},
           {"layers", layers},
           {"parts", parts},
           {"textureSets", sets},
@@ -117,7 +116,7 @@ void print(const nlohmann::json& j) {
     std::printf(" %s %llu", name.c_str(), bytes.get<unsigned long long>());
   std::printf("\n  GPU memory: %llu bytes an asset, %llu an instance\n", number("gpuBytesPerAsset"),
               number("gpuBytesPerInstance"));
-  std::printf("  tier here: %s\n", j["tier"]["reason"].get<std::string>().c_str());
+  if (j.contains("tier")) std::printf("  tier here: %s\n", j["tier"]["reason"].get<std::string>().c_str());
   std::printf(
       "  %llu vertices, %llu triangles, %llu points, %llu influences, %llu palette entries; error "
       "of positions %g, of morph targets %g\n",
@@ -166,19 +165,21 @@ void print(const nlohmann::json& j) {
 }  // namespace
 
 Command addInfo(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "info",
-      "Show what is in an asset, sizes by section, GPU memory, and the tier that frames would run on here");
+  CLI::App* command =
+      app.add_subcommand("info", "Show what is in an asset, sizes by section, and GPU memory");
   struct Options {
     std::string asset;
-    bool json = false;
+    bool json = false, tier = false;
   };
   const auto options = std::make_shared<Options>();
   command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
   command->add_flag("--json", options->json, "As JSON");
+  command->add_flag("--tier", options->tier,
+                    "Also which tier frames would run on here, and why: asks the OpenGL driver");
   return [options] {
     const OpenedAsset opened = openAsset(options->asset);
-    const nlohmann::json description = describe(opened);
+    nlohmann::json description = describe(opened);
+    if (options->tier) description["tier"] = describeTier();
     if (options->json)
       std::printf("%s\n", description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     else
