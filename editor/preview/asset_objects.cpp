@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "editor/preview/gpu_times.h"
@@ -18,12 +19,28 @@ bool same(const Texture& a, const Texture& b) {
          a.levels == b.levels && std::ranges::equal(a.data, b.data);
 }
 
+// All slices of a level as RGBA8.
+std::vector<uint8_t> decoded(const Texture& texture, uint32_t level) {
+  std::vector<uint8_t> bytes;
+  for (uint32_t slice = 0; slice < texture.slices; ++slice)
+    for (uint32_t y = 0; y < std::max(texture.height >> level, 1u); ++y)
+      for (uint32_t x = 0; x < std::max(texture.width >> level, 1u); ++x) {
+        const Float4 c = texelAt(texture, level, slice, x, y);
+        for (const float value : {c.x, c.y, c.z, c.w})
+          bytes.push_back(static_cast<uint8_t>(std::lround(value * 255.0f)));
+      }
+  return bytes;
+}
+
 }  // namespace
 
 GlObject makeTexture(const Texture& texture) {
   constexpr GLenum kFormats[] = {GL_COMPRESSED_RG_RGTC2, GL_COMPRESSED_RED_RGTC1, GL_RGBA8,
                                  GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT};
   const GLenum format = kFormats[static_cast<size_t>(texture.format)];
+  // All of OpenGL 3.3 has the formats of the other textures.
+  const bool decode = (texture.format == TextureFormat::kBc1 || texture.format == TextureFormat::kBc3) &&
+                      !epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc");
   GlObject object(GlKind::kTexture);
   glBindTexture(GL_TEXTURE_2D_ARRAY, object);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -35,7 +52,10 @@ GlObject makeTexture(const Texture& texture) {
     const auto height = static_cast<GLsizei>(std::max(texture.height >> level, 1u));
     const auto slices = static_cast<GLsizei>(texture.slices);
     const std::byte* data = texture.data.subspan(offset, bytes).data();
-    if (texture.format == TextureFormat::kRgba8)
+    if (decode)
+      glTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), GL_SRGB8_ALPHA8, width, height, slices, 0,
+                   GL_RGBA, GL_UNSIGNED_BYTE, decoded(texture, level).data());
+    else if (texture.format == TextureFormat::kRgba8)
       glTexImage3D(GL_TEXTURE_2D_ARRAY, static_cast<GLint>(level), GL_RGBA8, width, height, slices, 0,
                    GL_RGBA, GL_UNSIGNED_BYTE, data);
     else

@@ -14,11 +14,20 @@ static_assert(gpu::kShadingNone == static_cast<uint32_t>(Shading::kNone) &&
               gpu::kViewMorph == static_cast<uint32_t>(View::kMorph));
 
 Programs::Programs()
-    : shadow(makeProgram("shadow", {shaders::kShadowVertex}, {}, {shaders::kShadowFragment})),
-      background(makeProgram("background", {shaders::kBackgroundVertex}, {},
+    : background(makeProgram("background", {shaders::kBackgroundVertex}, {},
                              {shaders::kFurrowShade, shaders::kLighting, shaders::kBackgroundFragment})),
       stroke(makeProgram("stroke", {shaders::kStrokeVertex}, {shaders::kStrokeGeometry},
                          {shaders::kStrokeFragment})) {}
+
+uint32_t Programs::shadow(bool holes) {
+  GlObject& program = shadow_[holes];
+  if (program) return program;
+  const char* constants = holes ? "const bool kHoles = true;\n" : "const bool kHoles = false;\n";
+  program = makeProgram("shadow", {shaders::kShadowVertex}, {}, {constants, shaders::kShadowFragment});
+  glUseProgram(program);
+  glUniform1i(glGetUniformLocation(program, "base_color_map"), kBaseColorMap);
+  return program;
+}
 
 uint32_t Programs::surface(const RenderOptions& options, bool maps, bool base_color, bool base_normal) {
   // Only the beauty view knows shadings.

@@ -22,13 +22,18 @@ class Programs {
  public:
   Programs();
 
-  const GlObject shadow, background, stroke;
+  const GlObject background, stroke;
+
+  // What draws the shadow of a part whose colour map has holes or not; made when it is first asked for.
+  // Changes the current program.
+  uint32_t shadow(bool holes);
 
   // What draws a part that has wrinkle maps or not, and maps of its own or not; made when it is first asked
   // for. Changes the current program.
   uint32_t surface(const RenderOptions& options, bool maps, bool base_color, bool base_normal);
 
  private:
+  GlObject shadow_[2];
   std::map<std::tuple<View, Shading, Lighting, bool, bool, bool>, GlObject> surface_;
 };
 

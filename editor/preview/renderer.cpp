@@ -24,6 +24,16 @@ using pipeline::Exit;
 
 constexpr GLuint kVectors = kMaxLayers / 4;  // weights and masks go in fours
 
+void bindTexture(GLint unit, GLenum kind, uint32_t texture) {
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glBindTexture(kind, texture);
+}
+
+void drawTriangles(uint32_t begin, uint32_t end) {
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (end - begin)), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(size_t{begin} * 3 * sizeof(uint32_t)));
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -35,6 +45,7 @@ struct Renderer::State {
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
   void fillScene(const RenderOptions& options, uint32_t weighed);
+  void bindMaterial(size_t part) const;
   void drawShadow(const RenderOptions& options);
   void drawParts(const RenderOptions& options);
   void drawStrokes(const RenderOptions& options);
@@ -188,26 +199,41 @@ void Renderer::State::fillScene(const RenderOptions& options, uint32_t weighed) 
   glBindBufferBase(GL_UNIFORM_BUFFER, kSceneSlot, scene_buffer);
 }
 
+void Renderer::State::bindMaterial(size_t part) const {
+  glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, objects->materials,
+                    static_cast<GLintptr>(part * objects->material_stride), sizeof(gpu::Material));
+}
+
 void Renderer::State::drawShadow(const RenderOptions& options) {
   if (options.view != View::kBeauty) return;
   glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
   glViewport(0, 0, kShadowSize, kShadowSize);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glUseProgram(programs.shadow);
   glEnable(GL_DEPTH_CLAMP);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5f, 2.0f);
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(asset.indices.size()), GL_UNSIGNED_INT, nullptr);
+  uint32_t drawn = 0;  // triangles
+  const auto draw_to = [&](uint32_t end, bool holes) {
+    glUseProgram(programs.shadow(holes));
+    drawTriangles(drawn, end);
+    drawn = end;
+  };
+  for (size_t p = 0; p < asset.parts.size(); ++p) {
+    const Part& part = asset.parts[p];
+    const uint32_t color = part.base_maps == kAbsent ? 0 : objects->base_maps[part.base_maps].color;
+    if (color == 0 || asset.base_maps[part.base_maps].opaque_from == 0.0f) continue;
+    draw_to(part.triangle_begin, false);
+    bindTexture(kBaseColorMap, GL_TEXTURE_2D_ARRAY, color);
+    bindMaterial(p);
+    draw_to(part.triangle_end, true);
+  }
+  draw_to(asset.triangleCount(), false);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DEPTH_CLAMP);
 }
 
 void Renderer::State::drawParts(const RenderOptions& options) {
-  const auto bind = [](GLint unit, GLenum kind, uint32_t texture) {
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-    glBindTexture(kind, texture);
-  };
-  bind(kShadowMap, GL_TEXTURE_2D, shadow_map);
+  bindTexture(kShadowMap, GL_TEXTURE_2D, shadow_map);
   for (size_t p = 0; p < asset.parts.size(); ++p) {
     const Part& part = asset.parts[p];
     AssetObjects::TextureSetNames set{};
@@ -215,7 +241,7 @@ void Renderer::State::drawParts(const RenderOptions& options) {
     AssetObjects::BaseMapNames own{};
     if (part.base_maps != kAbsent) own = objects->base_maps[part.base_maps];
     const auto bindMap = [&](GLint unit, uint32_t map) {
-      bind(unit, GL_TEXTURE_2D_ARRAY, map ? map : empty_map);
+      bindTexture(unit, GL_TEXTURE_2D_ARRAY, map ? map : empty_map);
     };
     glUseProgram(programs.surface(options, set.normals != 0, own.color != 0, own.normal != 0));
     bindMap(kBaseColorMap, own.color);
@@ -223,11 +249,8 @@ void Renderer::State::drawParts(const RenderOptions& options) {
     bindMap(kNormalMaps, set.normals);
     bindMap(kShadingMaps, set.shading);
     bindMap(kMaskMaps, set.masks);
-    glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialSlot, objects->materials,
-                      static_cast<GLintptr>(p * objects->material_stride), sizeof(gpu::Material));
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (part.triangle_end - part.triangle_begin)),
-                   GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(size_t{part.triangle_begin} * 3 * sizeof(uint32_t)));
+    bindMaterial(p);
+    drawTriangles(part.triangle_begin, part.triangle_end);
   }
   glActiveTexture(GL_TEXTURE0);
 }

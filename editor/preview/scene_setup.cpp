@@ -132,7 +132,7 @@ glm::vec4 shownColor(const AssetView& asset, const Part& part) {
   if (!painted && base.x >= kWhite && base.y >= kWhite && base.z >= kWhite &&
       (asset.colors.empty() || !colored()))
     return {0.40f, 0.255f, 0.19f, 1.0f};
-  return {base.x, base.y, base.z, 1.0f};
+  return {base.x, base.y, base.z, base.w};
 }
 
 glm::vec3 vertexColor(const AssetView& asset, uint32_t v) {

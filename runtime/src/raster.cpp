@@ -103,9 +103,54 @@ struct Tile {
   uint32_t* triangles;
 };
 
+// What draws the triangles of a tile.
+struct Filler {
+  const RasterKernel& kernel;
+  uint32_t samples;
+  TriangleShader& shader;
+};
+
+// A patch of a triangle with holes, row by row: what is not seen becomes what it was. `depth` and `triangles`
+// point to the first pixel of its block, which is x, y of the picture.
+void fillWithHoles(RasterPatch patch, const Filler& filler, int32_t x, int32_t y, float* depth,
+                   uint32_t* triangles) {
+  float depth_before[kMaxRasterSamples][kRasterBlock];
+  uint32_t triangles_before[kMaxRasterSamples][kRasterBlock];
+  for (const uint32_t last = patch.y1; patch.y0 < last; ++patch.y0) {
+    patch.y1 = patch.y0 + 1;
+    const auto at = [&](uint32_t sample, uint32_t column) {
+      return (size_t{sample} * kRasterTile + patch.y0) * kRasterTile + column;
+    };
+    for (uint32_t s = 0; s < filler.samples; ++s) {
+      std::copy(depth + at(s, patch.x0), depth + at(s, patch.x1), depth_before[s]);
+      std::copy(triangles + at(s, patch.x0), triangles + at(s, patch.x1), triangles_before[s]);
+    }
+    filler.kernel.fill(patch, filler.samples, depth, triangles);
+    for (uint32_t column = patch.x0; column < patch.x1; ++column) {
+      const uint32_t i = column - patch.x0;
+      const auto changed = [&](uint32_t s) {
+        return triangles[at(s, column)] != triangles_before[s][i] ||
+               depth[at(s, column)] != depth_before[s][i];
+      };
+      bool any = false;
+      for (uint32_t s = 0; s < filler.samples; ++s) any = any || changed(s);
+      if (!any || filler.shader.isSeen(patch.triangle, x + static_cast<int32_t>(column) + 0.5,
+                                       y + static_cast<int32_t>(patch.y0) + 0.5))
+        continue;
+      for (uint32_t s = 0; s < filler.samples; ++s) {
+        depth[at(s, column)] = depth_before[s][i];
+        triangles[at(s, column)] = triangles_before[s][i];
+      }
+    }
+    for (uint32_t s = 0; s < filler.samples && patch.y0 + 1 < last; ++s)
+      for (int i = 0; i < 3; ++i) patch.edge[s][i] += patch.edge_y[i];
+  }
+}
+
 // The part of a triangle in the block at x, y, given in pixels; `bounds` lie in it.
 void fillBlock(const Triangle& triangle, const Bounds& bounds, int32_t x, int32_t y, const Tile& tile,
-               const RasterKernel& kernel, uint32_t samples) {
+               const Filler& filler) {
+  const auto& [kernel, samples, shader] = filler;
   const uint32_t mask = kernel.lanes - 1;
   RasterPatch patch;
   patch.x0 = static_cast<uint32_t>(bounds.x0 - x) & ~mask;
@@ -140,11 +185,13 @@ void fillBlock(const Triangle& triangle, const Bounds& bounds, int32_t x, int32_
   patch.triangle = triangle.id;
   const size_t origin =
       static_cast<size_t>(y - tile.bounds.y0) * kRasterTile + static_cast<size_t>(x - tile.bounds.x0);
-  kernel.fill(patch, samples, tile.depth + origin, tile.triangles + origin);
+  if (shader.hasHoles(triangle.id))
+    fillWithHoles(patch, filler, x, y, tile.depth + origin, tile.triangles + origin);
+  else
+    kernel.fill(patch, samples, tile.depth + origin, tile.triangles + origin);
 }
 
-void fillPolygon(const ScreenPolygon& polygon, uint32_t id, const Tile& tile, const RasterKernel& kernel,
-                 uint32_t samples) {
+void fillPolygon(const ScreenPolygon& polygon, uint32_t id, const Tile& tile, const Filler& filler) {
   constexpr auto kBlock = static_cast<int32_t>(kRasterBlock);
   for (uint32_t i = 2; i < polygon.count; ++i) {
     const RasterVertex points[3] = {polygon.points[0], polygon.points[i - 1], polygon.points[i]};
@@ -156,7 +203,7 @@ void fillPolygon(const ScreenPolygon& polygon, uint32_t id, const Tile& tile, co
         fillBlock(triangle,
                   {std::max(bounds.x0, x), std::max(bounds.y0, y), std::min(bounds.x1, x + kBlock),
                    std::min(bounds.y1, y + kBlock)},
-                  x, y, tile, kernel, samples);
+                  x, y, tile, filler);
   }
 }
 
@@ -267,7 +314,7 @@ void RasterJob::draw(uint32_t begin, uint32_t end, std::span<std::byte> scratch)
     for (size_t word = 0; word < size_t{batches} * kBatchWords; ++word)
       for (uint64_t bits = words[word]; bits != 0; bits &= bits - 1) {
         const auto t = static_cast<uint32_t>(64 * word) + static_cast<uint32_t>(std::countr_zero(bits));
-        fillPolygon(screenPolygon(*this, t), t, tile, kernel, samples);
+        fillPolygon(screenPolygon(*this, t), t, tile, {kernel, samples, shader});
       }
     for (uint32_t y = y0; y < y1; ++y)
       for (uint32_t x = x0; x < x1; ++x) {

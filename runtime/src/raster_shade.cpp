@@ -100,7 +100,27 @@ Float3 SliceSampler::colorAt(const float uv[2], const float right[2], const floa
   });
 }
 
+float SliceSampler::opacityAt(const float uv[2], const float right[2], const float down[2]) const {
+  if (texture_->format != TextureFormat::kBc3) return 1.0f;
+  return filtered(uv, right, down, [&](const Level& level, uint32_t x, uint32_t y) {
+    return bc4Texel(blockAt(level.data, level.width, x, y, 16, 0), x, y);
+  });
+}
+
 namespace {
+
+const Part* partOf(const AssetView& asset, uint32_t triangle) {
+  const auto part = std::upper_bound(asset.parts.begin(), asset.parts.end(), triangle,
+                                     [](uint32_t t, const Part& p) { return t < p.triangle_end; });
+  return part == asset.parts.end() ? nullptr : &*part;
+}
+
+// Null: the part has no colour map of its own.
+const BaseMaps* baseMapsOf(const AssetView& asset, const Part* part) {
+  if (!part || part->base_maps == kAbsent) return nullptr;
+  const BaseMaps& maps = asset.base_maps[part->base_maps];
+  return maps.color.slices > 0 ? &maps : nullptr;
+}
 
 void findPlanes(const RasterJob& job, ShadedTriangle& triangle) {
   // Homogeneous corners in pixels; those of triangles that are drawn whole are snapped, so that shares and
@@ -135,23 +155,19 @@ void findPlanes(const RasterJob& job, ShadedTriangle& triangle) {
   // Rows go down: seen counter-clockwise, the sign is negative.
   const bool back = facing > 0.0 && !job.back_colors.empty();
   triangle.colors = back ? job.back_colors.data() : job.colors.data();
-  triangle.gloss = back ? job.back_gloss.data() : job.gloss.data();
+  triangle.gloss = job.gloss.empty() ? nullptr : back ? job.back_gloss.data() : job.gloss.data();
 }
 
 void findLayers(const RasterJob& job, ShadedTriangle& triangle) {
   triangle.active_count = 0;
   triangle.set = nullptr;
-  triangle.base = nullptr;
   const AssetView& asset = *job.asset;
-  const auto part = std::upper_bound(asset.parts.begin(), asset.parts.end(), triangle.id,
-                                     [](uint32_t t, const Part& p) { return t < p.triangle_end; });
-  if (!job.gloss.empty() && part != asset.parts.end() && part->base_maps != kAbsent &&
-      asset.base_maps[part->base_maps].color.slices > 0)
-    triangle.base = &asset.base_maps[part->base_maps];
+  const Part* part = partOf(asset, triangle.id);
+  triangle.base = baseMapsOf(asset, part);
+  triangle.opacity = part ? part->base_color.w : 1.0f;
   if (job.weights.empty()) return;
-  const TextureSet* set = part == asset.parts.end() || part->texture_set == kAbsent
-                              ? nullptr
-                              : &asset.texture_sets[part->texture_set];
+  const TextureSet* set =
+      !part || part->texture_set == kAbsent ? nullptr : &asset.texture_sets[part->texture_set];
   if (set && set->shading.slices > 0) triangle.set = set;
   const bool masks_by_vertex = !set || set->masks.slices == 0;
   for (uint32_t l = 0; l < asset.layerCount(); ++l) {
@@ -174,10 +190,34 @@ void findLayers(const RasterJob& job, ShadedTriangle& triangle) {
 
 TriangleShader::TriangleShader(const RasterJob& job, ShadedTriangle* kept) : job_(job), kept_(kept) {
   for (uint32_t i = 0; i < kKept; ++i) kept_[i].id = kAbsent;
+  for (const BaseMaps& maps : job.asset->base_maps) any_holes_ = any_holes_ || maps.opaque_from > 0.0f;
 }
 
-TriangleShader::Footprint TriangleShader::footprint(const ShadedTriangle& triangle, const double* share,
-                                                    const double* edge) const {
+const ShadedTriangle& TriangleShader::shaded(uint32_t id) {
+  ShadedTriangle& triangle = kept_[id % kKept];
+  if (triangle.id != id) {
+    triangle.id = id;
+    triangle.corners = &job_.asset->indices[size_t{3} * id];
+    findPlanes(job_, triangle);
+    findLayers(job_, triangle);
+  }
+  return triangle;
+}
+
+TriangleShader::Place TriangleShader::placeOf(const ShadedTriangle& triangle, double x, double y) {
+  Place at;
+  for (int i = 0; i < 3; ++i) {
+    at.edge[i] = triangle.planes[i][0] * x + triangle.planes[i][1] * y + triangle.planes[i][2];
+    at.share[i] = std::max(at.edge[i], 0.0);
+  }
+  const double sum = at.share[0] + at.share[1] + at.share[2], inverse = sum > 0.0 ? 1.0 / sum : 0.0;
+  for (double& s : at.share) s = sum > 0.0 ? s * inverse : 1.0 / 3.0;
+  return at;
+}
+
+TriangleShader::Footprint TriangleShader::footprint(const ShadedTriangle& triangle,
+                                                    const Place& place) const {
+  const auto& [share, edge] = place;
   // uv is the quotient of two planes; so are its steps.
   const double inverse = 1.0 / (edge[0] + edge[1] + edge[2]);
   double at[2] = {}, steps[2][2] = {};
@@ -201,7 +241,8 @@ TriangleShader::Footprint TriangleShader::footprint(const ShadedTriangle& triang
   return out;
 }
 
-Float3 TriangleShader::paint(const BaseMaps& maps, const Footprint& at) {
+// The map is ready for fetches there.
+TriangleShader::Footprint TriangleShader::onBaseMap(const BaseMaps& maps, const Footprint& at) {
   if (painted_ != &maps) {
     colors_.select(maps.color);
     painted_ = &maps;
@@ -210,13 +251,13 @@ Float3 TriangleShader::paint(const BaseMaps& maps, const Footprint& at) {
   const auto turned = [&](const float v[2], float(&out)[2]) {
     for (int axis = 0; axis < 2; ++axis) out[axis] = m[axis] * v[0] + m[2 + axis] * v[1];
   };
-  float uv[2], right[2], down[2];
-  turned(at.uv, uv);
-  turned(at.right, right);
-  turned(at.down, down);
-  uv[0] += m[4];
-  uv[1] += m[5];
-  return colors_.colorAt(uv, right, down);
+  Footprint out;
+  turned(at.uv, out.uv);
+  turned(at.right, out.right);
+  turned(at.down, out.down);
+  out.uv[0] += m[4];
+  out.uv[1] += m[5];
+  return out;
 }
 
 float TriangleShader::crease(const ShadedTriangle& triangle, const double* share, const Footprint& at) {
@@ -254,36 +295,38 @@ float TriangleShader::crease(const ShadedTriangle& triangle, const double* share
   return left;
 }
 
+bool TriangleShader::hasHoles(uint32_t id) const {
+  if (!any_holes_) return false;
+  const BaseMaps* base = baseMapsOf(*job_.asset, partOf(*job_.asset, id));
+  return base && base->opaque_from > 0.0f;
+}
+
+bool TriangleShader::isSeen(uint32_t id, double x, double y) {
+  const ShadedTriangle& triangle = shaded(id);
+  const Footprint at = onBaseMap(*triangle.base, footprint(triangle, placeOf(triangle, x, y)));
+  return triangle.opacity * colors_.opacityAt(at.uv, at.right, at.down) >= triangle.base->opaque_from;
+}
+
 Float3 TriangleShader::color(uint32_t id, double x, double y) {
-  ShadedTriangle& triangle = kept_[id % kKept];
-  if (triangle.id != id) {
-    triangle.id = id;
-    triangle.corners = &job_.asset->indices[size_t{3} * id];
-    findPlanes(job_, triangle);
-    findLayers(job_, triangle);
-  }
-  double edge[3], share[3];
-  for (int i = 0; i < 3; ++i) {
-    edge[i] = triangle.planes[i][0] * x + triangle.planes[i][1] * y + triangle.planes[i][2];
-    share[i] = std::max(edge[i], 0.0);
-  }
-  const double sum = share[0] + share[1] + share[2], inverse = sum > 0.0 ? 1.0 / sum : 0.0;
-  for (double& s : share) s = sum > 0.0 ? s * inverse : 1.0 / 3.0;
+  const ShadedTriangle& triangle = shaded(id);
+  const Place place = placeOf(triangle, x, y);
+  const BaseMaps* base = triangle.gloss ? triangle.base : nullptr;
   Footprint at = {};
-  if (triangle.base || (triangle.set && triangle.active_count > 0)) at = footprint(triangle, share, edge);
-  const double left = triangle.active_count > 0 ? crease(triangle, share, at) : 1.0;
+  if (base || (triangle.set && triangle.active_count > 0)) at = footprint(triangle, place);
+  const double left = triangle.active_count > 0 ? crease(triangle, place.share, at) : 1.0;
   double color[3] = {};
   const auto addMean = [&](const Float3* values) {
     for (int i = 0; i < 3; ++i) {
       const Float3 c = values[triangle.corners[i]];
-      color[0] += share[i] * c.x;
-      color[1] += share[i] * c.y;
-      color[2] += share[i] * c.z;
+      color[0] += place.share[i] * c.x;
+      color[1] += place.share[i] * c.y;
+      color[2] += place.share[i] * c.z;
     }
   };
   addMean(triangle.colors);
-  if (triangle.base) {
-    const Float3 painted = paint(*triangle.base, at);
+  if (base) {
+    const auto [uv, right, down] = onBaseMap(*base, at);
+    const Float3 painted = colors_.colorAt(uv, right, down);
     color[0] *= painted.x;
     color[1] *= painted.y;
     color[2] *= painted.z;

@@ -20,6 +20,7 @@ class SliceSampler {
 
   // The same of a colour: sRGB decoded before it is filtered.
   Float3 colorAt(const float uv[2], const float right[2], const float down[2]) const;
+  float opacityAt(const float uv[2], const float right[2], const float down[2]) const;
 
  private:
   struct Level {
@@ -49,6 +50,7 @@ struct ShadedTriangle {
   const Float3* colors;
   const Float3* gloss;
   const BaseMaps* base;   // with a colour map, or null
+  float opacity;          // that the map's is multiplied by
   const TextureSet* set;  // with maps, or null
   double planes[3][3];    // x a[0] + y a[1] + a[2] is proportional to a corner's share
   ActiveLayer active[kMaxLayers];
@@ -65,20 +67,31 @@ class TriangleShader {
   // far as perspective allows.
   Float3 color(uint32_t triangle, double x, double y);
 
+  // Whether there are places of the triangle at which nothing is seen, and whether something is at this one.
+  bool hasHoles(uint32_t triangle) const;
+  bool isSeen(uint32_t triangle, double x, double y);
+
  private:
+  // Where a pixel is in a triangle: shares of the corners, and uv with its change over a pixel.
+  struct Place {
+    double share[3], edge[3];
+  };
   // Of a pixel: uv, and its change over one to the right and one down.
   struct Footprint {
     float uv[2], right[2], down[2];
   };
 
-  Footprint footprint(const ShadedTriangle& triangle, const double* share, const double* edge) const;
+  const ShadedTriangle& shaded(uint32_t triangle);
+  static Place placeOf(const ShadedTriangle& triangle, double x, double y);
+  Footprint footprint(const ShadedTriangle& triangle, const Place& place) const;
+  Footprint onBaseMap(const BaseMaps& maps, const Footprint& at);
   float crease(const ShadedTriangle& triangle, const double* share, const Footprint& at);
-  Float3 paint(const BaseMaps& maps, const Footprint& at);
 
   const RasterJob& job_;
   ShadedTriangle* kept_;
   const TextureSet* sampled_ = nullptr;
   const BaseMaps* painted_ = nullptr;
+  bool any_holes_ = false;
   SliceSampler shading_, masks_, colors_;
 };
 

@@ -34,13 +34,14 @@ struct Model {
   preview::PosedFrame frame;
 };
 
-Model cooked(const std::string& material, const ByteImage& image) {
+std::vector<uint8_t> pngOf(const ByteImage& image) {
   const std::vector<std::byte> png = pipeline::encodePng(image);
-  Square square;
   const auto* bytes = reinterpret_cast<const uint8_t*>(png.data());
-  const std::string embedded = square.embedded({bytes, bytes + png.size()});
-  const pipeline::SourceScene scene =
-      pipeline::import(square.write("picture.glb", embedded, "\"source\":0", material));
+  return {bytes, bytes + png.size()};
+}
+
+Model cookedFile(const std::filesystem::path& file) {
+  const pipeline::SourceScene scene = pipeline::import(file);
   pipeline::Recipe recipe = pipeline::defaultRecipe();
   recipe.map_size = 64;
   Model model;
@@ -48,6 +49,40 @@ Model cooked(const std::string& material, const ByteImage& image) {
   model.frame = preview::poseFrame(model.asset.view(),
                                    pipeline::evaluate(scene.rig, pipeline::defaultPose(scene.rig)), {}, 1.0f);
   return model;
+}
+
+Model cooked(const std::string& material, const ByteImage& image) {
+  Square square;
+  const std::string embedded = square.embedded(pngOf(image));
+  return cookedFile(square.write("picture.glb", embedded, "\"source\":0", material));
+}
+
+// A grey square, and before it a small one that has nothing in its texture.
+Model blind(const std::string& alpha_mode) {
+  test::GltfBuilder builder;
+  std::string primitives;
+  for (const bool small : {false, true}) {
+    const float low = small ? 0.35f : 0.0f, high = small ? 0.65f : 1.0f, z = small ? 0.2f : 0.0f;
+    const int positions =
+        builder.add<float>({low, low, z, high, low, z, high, high, z, low, high, z}, "VEC3", 3);
+    const int uvs = builder.add<float>({0, 1, 1, 1, 1, 0, 0, 0}, "VEC2", 2);
+    const int indices = builder.add<uint16_t>({0, 1, 2, 0, 2, 3}, "SCALAR", 1);
+    primitives += std::string(small ? "," : "") +
+                  "{\"attributes\":{\"POSITION\":" + std::to_string(positions) +
+                  ",\"TEXCOORD_0\":" + std::to_string(uvs) + "},\"indices\":" + std::to_string(indices) +
+                  ",\"material\":" + std::to_string(small) + "}";
+  }
+  std::array<Color, 4> colors;
+  colors.fill({90, 90, 90, 10});
+  const int view = builder.addView(pngOf(quadrants(4, colors)));
+  return cookedFile(test::writeFile(
+      "blind.glb",
+      builder.glb("\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[" + primitives +
+                  "]}],\"images\":[{\"bufferView\":" + std::to_string(view) +
+                  ",\"mimeType\":\"image/png\"}],\"textures\":[{\"source\":0}],\"materials\":[{"
+                  "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.3,0.3,0.3,1]}},{"
+                  "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}},\"alphaMode\":\"" +
+                  alpha_mode + "\"}]")));
 }
 
 Model painted(const ByteImage& image, const std::string& more = "", const std::string& in_texture = "") {
@@ -114,6 +149,13 @@ class BaseMapsPicture : public GlTest {
     if (support_.gpu) found.push_back(Tier::kGpu);
     return found;
   }
+
+  // Of every tier, and without OpenGL.
+  std::vector<Image> pictures(const Model& model) const {
+    std::vector<Image> images = {softwarePicture(model)};
+    for (const Tier tier : tiers()) images.push_back(picture(model, tier, Shading::kAlpha));
+    return images;
+  }
 };
 
 TEST_F(BaseMapsPicture, ATextureGivesTheColourThatAFactorGives) {
@@ -176,11 +218,32 @@ TEST_F(BaseMapsPicture, BothRenderersMoveTheMapAlike) {
 TEST_F(BaseMapsPicture, WhatIsMaskedIsNotDrawn) {
   std::array<Color, 4> colors = kQuadrants;
   colors[1][3] = 40;
-  const Model model = painted(quadrants(4, colors), ",\"alphaMode\":\"MASK\"");
-  const Image image = picture(model, Tier::kCpu, Shading::kNone);
-  expectNear(quadrant(image, 1), image.at(kSize / 2 + kSize / 8, 2), 0.05f);  // background
-  expectNear(quadrant(image, 0), quadrant(picture(painted(quadrants(3)), Tier::kCpu, Shading::kNone), 0),
-             kStep);
+  const Model masked = painted(quadrants(4, colors), ",\"alphaMode\":\"MASK\"");
+  const Image whole = picture(painted(quadrants(3)), Tier::kCpu, Shading::kNone);
+  for (const Image& image : pictures(masked)) {
+    expectNear(quadrant(image, 1), image.at(kSize / 2 + kSize / 8, 2), 0.05f);  // background
+    expectNear(quadrant(image, 0), quadrant(whole, 0), 3 * kStep);
+  }
+  // The factor's opacity is part of the material's.
+  const std::string faint =
+      "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.45],\"baseColorTexture\":{"
+      "\"index\":0}},\"alphaMode\":\"MASK\"";
+  for (const Image& image : pictures(cooked(faint, quadrants(4))))
+    expectNear(quadrant(image, 0), image.at(kSize / 2 - kSize / 8, 2), 0.05f);
+}
+
+TEST_F(BaseMapsPicture, WhatIsMaskedCastsNoShadow) {
+  const auto spread = [](const Image& image) {  // below and to the right of the small one, on the other
+    float low = 1.0f, high = 0.0f;
+    for (uint32_t y = kSize / 2; y < kSize * 3 / 4; ++y)
+      for (uint32_t x = kSize * 5 / 8; x < kSize * 25 / 32; ++x) {
+        low = std::min(low, image.at(x, y)[1]);
+        high = std::max(high, image.at(x, y)[1]);
+      }
+    return high - low;
+  };
+  for (const Image& image : pictures(blind("MASK"))) EXPECT_LT(spread(image), 5 * kStep);
+  for (const Image& image : pictures(blind("OPAQUE"))) EXPECT_GT(spread(image), 30 * kStep);
 }
 
 TEST_F(BaseMapsPicture, NormalsTiltTowardsTheLight) {

@@ -406,6 +406,13 @@ Scene busyScene(std::vector<std::byte>& map, std::vector<std::byte>& mask) {
 TEST(Raster, TheBitsDependNeitherOnTheSplitNorOnTheInstructionSet) {
   std::vector<std::byte> map, mask;
   Scene scene = busyScene(map, mask);
+  std::vector<std::byte> color(16 * 16);  // the alpha of half the texels is below a half
+  for (size_t i = 0; i < color.size(); ++i) color[i] = map[i % map.size()];
+  const BaseMaps maps = {
+      {TextureFormat::kBc3, 16, 16, 1, 1, color}, {1, 0.5f, 0, 1, 0, 0}, 0.3f, {}, {1, 0, 0, 1, 0, 0}};
+  scene.asset.base_maps = {&maps, 1};
+  scene.part.base_maps = 0;
+  scene.part.base_color.w = 0.9f;
   RasterJob job = scene.job(200, 130, 4);
   usePlaneView(job, 3.0f, 0.2f);
   job.simd = Simd::kPortable;
@@ -558,6 +565,70 @@ TEST(RasterShading, TheModelsOwnMapColoursTheLightAndNotTheGloss) {
     maps.color_uv[2] = 1.0f;
     expectColor(47, {0.59375f, 0, 0.25f * 0.40625f});
   }
+}
+
+// A sheet whose map has nothing in its right half before one that has no map.
+TEST(RasterShading, NothingIsThereWhereTheMapIsSeenThrough) {
+  std::vector<std::byte> map = columnsBlock(255, 0, {0, 0, 1, 1});  // opacity 1, 1, 0, 0
+  map.resize(16, std::byte{0xff});
+  BaseMaps maps = {{TextureFormat::kBc3, 4, 4, 1, 1, map}, {1, 0, 0, 1, 0, 0}, 0.5f, {}, {1, 0, 0, 1, 0, 0}};
+  Scene scene = mappedSquare(1.0f, 0);
+  for (int i = 0; i < 4; ++i) {
+    const Float3 p = scene.positions[static_cast<size_t>(i)];
+    scene.positions.push_back({p.x, p.y, 0.5f});
+    scene.uvs.push_back(scene.uvs[static_cast<size_t>(i)]);
+    scene.colors.push_back({0, 0, 1});
+    scene.weights.insert(scene.weights.end(), {0, 0});
+  }
+  scene.part.base_color.w = 1.0f;
+  scene.part.base_maps = 0;
+  scene.part.texture_set = kAbsent;
+  const auto draw = [&](bool behind, bool behind_first, uint32_t samples) {
+    const uint32_t front[] = {0, 2, 1, 1, 2, 3}, back[] = {4, 6, 5, 5, 6, 7};
+    scene.indices.clear();
+    if (behind && behind_first) scene.indices.assign(back, back + 6);
+    scene.indices.insert(scene.indices.end(), front, front + 6);
+    if (behind && !behind_first) scene.indices.insert(scene.indices.end(), back, back + 6);
+    RasterJob job = scene.job(64, 64, samples);
+    Part parts[2] = {scene.part, scene.part};
+    parts[0].triangle_end = 2;
+    parts[1].triangle_end = behind ? 4 : 2;
+    parts[behind && behind_first ? 0 : 1].base_maps = kAbsent;
+    if (!behind) parts[1].base_maps = 0;
+    scene.asset.parts = parts;
+    scene.asset.base_maps = {&maps, 1};
+    usePixels(job);
+    scene.run(job);
+  };
+  const auto at = [&](uint32_t x) { return scene.picture[30 * 64 + x]; };
+  for (uint32_t samples : {1u, 4u}) {
+    draw(false, false, samples);
+    for (uint32_t x = 0; x < 64; ++x) {
+      // The border of texel 0 repeats the last one: half way between, at 0 and at 31.5, half is left.
+      const bool there = x < 32;
+      EXPECT_EQ(at(x).w, there ? 1.0f : 0.0f) << x;
+      EXPECT_EQ(scene.depth[30 * 64 + x], there ? 0.0f : 1.0f) << x;
+    }
+    for (bool behind_first : {false, true}) {
+      draw(true, behind_first, samples);
+      for (uint32_t x = 0; x < 64; ++x) EXPECT_EQ(at(x).x, x < 32 ? 1.0f : 0.0f) << x;
+      EXPECT_EQ(scene.depth[30 * 64 + 40], 0.5f);
+    }
+  }
+  scene.part.base_color.w = 0.4f;  // times the map's
+  draw(false, false, 4);
+  EXPECT_EQ(at(10).w, 0.0f);
+  maps.opaque_from = 0.0f;  // an opaque material
+  draw(false, false, 4);
+  EXPECT_EQ(at(50).w, 1.0f);
+  maps.opaque_from = 0.3f;
+  draw(false, false, 4);
+  EXPECT_EQ(at(10).w, 1.0f);
+  EXPECT_EQ(at(50).w, 0.0f);
+  maps.color.format = TextureFormat::kBc1;  // has no opacity
+  maps.color.data = std::span(map).first(8);
+  draw(false, false, 4);
+  EXPECT_EQ(at(50).w, 1.0f);
 }
 
 TEST(RasterShading, SmallMapsAreReadFromSmallLevels) {

@@ -4,6 +4,8 @@
 // draws lit Gouraud colours darkened by alpha shading, C = C0 (1 - I W) a layer [Larsson]: C0 is interpolated
 // from the vertices, I = |w|, W comes from the asset's shading maps (bilinear, mip-mapped), and a part
 // without maps darkens by the weights of its vertices alone. C0 may be times the model's own colour map.
+// Where that map's opacity, times the part's, is below BaseMaps::opaque_from at a pixel's centre, nothing is
+// there.
 //
 // A picture takes three passes, each split over the host's threads as it likes; a pass needs the whole result
 // of the one before:
