@@ -1,6 +1,6 @@
 // threads_test ASSET.furrow SLEEVE.furrow: many instances of one asset on many threads, assets loading and
-// instances going over to them meanwhile; and the same bits for any number of threads, on every instruction
-// set, on both sides of every seam.
+// instances going over to them meanwhile; and the same bits, of pictures too, for any number of threads, on
+// every instruction set, on both sides of every seam.
 
 #include <algorithm>
 #include <atomic>
@@ -46,8 +46,32 @@ void run(FurrowInstance* instance, const FurrowFrame& frame) {
   must(furrow_instance_frame(instance, &frame, nullptr, &status), status);
 }
 
+// As floats.
+std::vector<float> pictureOf(const FurrowAsset* asset, const FurrowAssetInfo& info,
+                             const FurrowInstance* instance) {
+  constexpr uint32_t kWidth = 200, kHeight = 150;
+  const std::vector<float> colors(3 * size_t{info.vertices}, 0.5f);
+  std::vector<float> pixels(size_t{4} * kWidth * kHeight);
+  FurrowPicture picture = {};
+  picture.size = sizeof picture;
+  picture.positions = furrow_instance_positions(instance);
+  picture.width = kWidth, picture.height = kHeight;
+  picture.colors = colors.data();
+  picture.weights = furrow_instance_weights(instance);
+  for (const int i : {0, 5, 10, 15}) picture.view_projection[i] = i == 15 ? 1.0f : 2.0f;
+  picture.memory_bytes = furrow_picture_memory(asset, kWidth, kHeight);
+  void* memory = std::aligned_alloc(64, (picture.memory_bytes + 63) / 64 * 64);
+  picture.memory = memory;
+  picture.picture = pixels.data();
+  FurrowStatus status;
+  must(furrow_picture_draw(asset, &picture, &status), status);
+  std::free(memory);
+  return pixels;
+}
+
 void testSameBits(const std::vector<char>& file) {
   std::vector<std::vector<int16_t>> expected;
+  std::vector<float> expected_picture;
   for (uint32_t workers : {1u, 2u, 5u})
     for (uint32_t simd = FURROW_SIMD_PORTABLE; simd <= FURROW_SIMD_NEON; ++simd) {
       FurrowContext* context = makeContext(&workers, simd);
@@ -59,13 +83,29 @@ void testSameBits(const std::vector<char>& file) {
       FurrowFrame frame = paletteFrame(palette);
       frame.morph_weights = morphs.data(), frame.morph_count = info.morphs;
       std::vector<std::vector<int16_t>> weights;
-      for (uint32_t features : {0u, uint32_t{FURROW_KEEP_NORMALS}, uint32_t{FURROW_USE_LAPLACE}}) {
+      std::vector<float> picture;
+      const std::vector<float> rest = squeezed(info, 0.9f);
+      const std::vector<FurrowEase> eases(FURROW_MAX_LAYERS, {3.0f, 1.0f});
+      for (uint32_t features :
+           {0u, uint32_t{FURROW_KEEP_NORMALS}, uint32_t{FURROW_USE_LAPLACE},
+            uint32_t{FURROW_USE_DUAL_QUATERNIONS}, uint32_t{FURROW_USE_RECAPTURE | FURROW_USE_EASE}}) {
         FurrowInstance* instance = makeInstance(asset, features);
+        if (features & FURROW_USE_RECAPTURE) {
+          const FurrowFrame pose = paletteFrame(rest);
+          FurrowStatus status;
+          must(furrow_instance_recapture(instance, &pose, &status), status);
+        }
         frame.laplace_steps = features & FURROW_USE_LAPLACE ? 2 : 0;
+        frame.skinning =
+            features & FURROW_USE_DUAL_QUATERNIONS ? FURROW_SKINNING_DUAL_QUATERNION : FURROW_SKINNING_LINEAR;
+        frame.eases = features & FURROW_USE_EASE ? eases.data() : nullptr;
         run(instance, frame);
         weights.push_back(weightsOf(instance, info));
+        if (features & FURROW_KEEP_NORMALS) picture = pictureOf(asset, info, instance);
         furrow_instance_release(instance);
       }
+      if (expected_picture.empty()) expected_picture = picture;
+      FURROW_CHECK(picture == expected_picture);
       if (expected.empty()) expected = weights;
       FURROW_CHECK(weights == expected);
 
@@ -87,6 +127,9 @@ void testSameBits(const std::vector<char>& file) {
         }
       }
       FURROW_CHECK(seams > 0);
+      size_t drawn = 0;
+      for (size_t i = 3; i < picture.size(); i += 4) drawn += picture[i] > 0.0f;
+      FURROW_CHECK(drawn > 500);
       furrow_asset_release(asset);
       furrow_context_release(context);
     }

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "furrow/recapture.h"
@@ -361,6 +363,42 @@ TEST_P(ClusteredTest, WhatClustersCannotHoldIsStaged) {
   const FramePlan plan(asset.view(), {.instances = 4});
   EXPECT_EQ(plan.options().form, Form::kStaged);
   EXPECT_EQ(plan.options().instances, 1u);
+}
+
+// What a frame debugger shows: a group for each item in the frame's, and the names of buffers.
+TEST_P(ExecutorTest, EveryItemAndBufferIsLabelled) {
+  if (epoxy_gl_version() < 43 && !epoxy_has_gl_extension("GL_KHR_debug")) GTEST_SKIP() << "no GL_KHR_debug";
+  const FramePlan plan(ball_.view(), {.form = GetParam(), .ease = true});
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  for (size_t i = 0; i < static_cast<size_t>(Buffer::kCount); ++i) {
+    const auto id = static_cast<Buffer>(i);
+    char label[64] = {};
+    if (executor.handle(id)) glGetObjectLabel(GL_BUFFER, executor.handle(id), sizeof label, nullptr, label);
+    EXPECT_STREQ(label, executor.handle(id) ? plan.buffer(id).name : "");
+  }
+  std::vector<std::string> groups;
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  glDebugMessageCallback(
+      [](GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* message, const void* user) {
+        auto& seen =
+            *const_cast<std::vector<std::string>*>(static_cast<const std::vector<std::string>*>(user));
+        if (type == GL_DEBUG_TYPE_PUSH_GROUP) seen.emplace_back(message);
+        if (type == GL_DEBUG_TYPE_POP_GROUP) seen.emplace_back();
+      },
+      &groups);
+  ASSERT_TRUE(executor.upload(frame_).ok());
+  ASSERT_TRUE(executor.run().ok());
+  glDebugMessageCallback(nullptr, nullptr);
+  glDisable(GL_DEBUG_OUTPUT);
+  std::vector<std::string> expected = {"furrow"};
+  for (const Item& item : plan.items()) {
+    EXPECT_EQ(std::string_view(item.label).substr(0, 7), "furrow ");
+    expected.insert(expected.end(), {item.label, ""});
+  }
+  expected.emplace_back();
+  EXPECT_EQ(groups, expected);
 }
 
 TEST_P(ExecutorTest, CanBeMadeAgain) {
