@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 #include <sstream>
@@ -25,8 +26,14 @@ int number(size_t n) {
   return static_cast<int>(n);
 }
 
+// JSON holds UTF-8 alone, and names of other formats may be none.
+std::string utf8(std::string_view text) {
+  using nlohmann::json;
+  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
 Value text(std::string_view t) {
-  return Value(std::string(t));
+  return Value(utf8(t));
 }
 
 class Exporter {
@@ -46,6 +53,15 @@ class Exporter {
     for (const BaseMaps& maps : asset_.base_maps) addOwnImages(maps);
     for (const Part& part : asset_.parts) addPart(part);
     for (const Clip& clip : rig_.clips) addClip(clip);
+    const auto clean = [](auto& items) {
+      for (auto& item : items) item.name = utf8(item.name);
+    };
+    clean(model_.nodes);
+    clean(model_.meshes);
+    clean(model_.materials);
+    clean(model_.images);
+    clean(model_.textures);
+    clean(model_.animations);
     std::ostringstream out;
     tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, out, false, true);
     const std::string bytes = std::move(out).str();

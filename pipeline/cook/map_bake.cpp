@@ -114,10 +114,15 @@ class MapBake {
     const double covered = static_cast<double>(std::count(texels.begin(), texels.end(), true));
     const auto [length, area] = sizeOfUvs(set);
     const double shared = 1.0 - covered / (area * kOverlapSize * kOverlapSize);
-    if (shared > kMostShared)
+    const auto warn = [&](const std::string& what) {
       warnings_.push_back("the UVs of " + (set.name.empty() ? "a mesh" : "material \"" + set.name + "\"") +
-                          " overlap: " + std::to_string(static_cast<int>(100.0 * shared)) +
-                          "% of them show the wrinkles of another place; unwrap them apart");
+                          what);
+    };
+    if (area == 0.0)
+      warn(" have no area: it gets weights, but no wrinkle maps; unwrap it");
+    else if (shared > kMostShared)
+      warn(" overlap: " + std::to_string(static_cast<int>(100.0 * shared)) +
+           "% of them show the wrinkles of another place; unwrap them apart");
     for (size_t s = 0; s < sets.size(); ++s) {
       const double other = sizeOfUvs(sets[s]).length;
       if (length > 1.5 * other || other > 1.5 * length) continue;

@@ -264,6 +264,15 @@ TEST_F(Export, OfTheFaceIsTheFace) {
   expectBaseMaps();
 }
 
+// OBJ names may be of any encoding, and the file's too.
+TEST_F(Export, OfNamesThatAreNoUtf8) {
+  exportAsset(write("M\xfcller.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl H\xe4ut\nf 1 2 3\n"));
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(gltf_["materials"][0]["name"], "H\uFFFDut");
+  EXPECT_EQ(gltf_["meshes"][0]["name"], "M\uFFFDller");
+  expectSamePoses();
+}
+
 TEST_F(Export, KeepsColoursAndNormalsWhereTheyLie) {
   std::array<Color, 4> colors = kQuadrants;
   colors[1][3] = 0;

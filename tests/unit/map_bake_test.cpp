@@ -119,6 +119,15 @@ TEST(MapBake, OverlappingUvsAreSaid) {
   EXPECT_NE(sheet.warnings[0].find("overlap: 49%"), std::string::npos) << sheet.warnings[0];
 }
 
+TEST(MapBake, UvsThatLieInOnePointAreSaid) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.1);
+  sheet.surface.uvs.assign(sheet.surface.uvs.size(), glm::vec2(0.5f));
+  EXPECT_EQ(sheet.bake().normals.slices, 0u);
+  ASSERT_EQ(sheet.warnings.size(), 1u);
+  EXPECT_NE(sheet.warnings[0].find("have no area"), std::string::npos) << sheet.warnings[0];
+}
+
 TEST(MapBake, AMaterialThatNoLayerShowsOnHasNoSet) {
   Sheet sheet;
   sheet.add([](float x, float) { return x < 0.5f; }, 0.1);
