@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#ifdef __unix__
+#include <sys/mman.h>
+#endif
+
 #include <cstring>
 #include <numeric>
 #include <random>
@@ -256,6 +260,66 @@ TEST(ClusterFrame, PosedByTheHostAtAnyStride) {
     }
   }
 }
+
+#ifdef __unix__
+// Memory that must not be touched.
+class Forbidden {
+ public:
+  explicit Forbidden(size_t bytes)
+      : bytes_(bytes), memory_(mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {}
+  Forbidden(const Forbidden&) = delete;
+  Forbidden& operator=(const Forbidden&) = delete;
+  ~Forbidden() { munmap(memory_, bytes_); }
+  template <typename T>
+  std::span<T> of(size_t count) const {
+    EXPECT_LE(count * sizeof(T), bytes_);
+    return {static_cast<T*>(memory_), count};
+  }
+
+ private:
+  size_t bytes_;
+  void* memory_;
+};
+
+// What is at rest or switched off costs nothing: it is not even read.
+TEST(ClusterFrame, WhatIsNotActiveIsNotRead) {
+  pipeline::SourceScene scene = bumpy(40);
+  scene.primitives[0].morphs.push_back(scene.primitives[0].morphs[0]);
+  scene.rig.morphs.push_back({"other", 0, 1, 0.0});
+  const Asset asset = tests::cookAsset(std::move(scene), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
+  AssetView view = asset.view();
+  ASSERT_EQ(view.morphs.size(), 2u);
+  const Forbidden memory(1 << 22);
+  std::vector<Morph> morphs(view.morphs.begin(), view.morphs.end());
+  morphs[1].position_deltas = memory.of<int32_t>(morphs[1].position_deltas.size());
+  morphs[1].normal_deltas = memory.of<int8_t>(morphs[1].normal_deltas.size());
+  view.morphs = morphs;
+  Clusters clusters;
+  ASSERT_TRUE(clusters.build(view).ok());
+  const Frame staged = tests::evaluate(asset.view(), {0.7f, 0.0f});
+  EXPECT_EQ(clusteredWeights(clusters, bestSimd(), {}, 0.7f), staged.weights);
+  std::vector<Float3> positions(view.vertexCount()), normals(positions.size());
+  std::vector<Float4> tangents(positions.size());
+  const std::vector<Affine> palette(view.palette.size());
+  const std::vector<float> weights = {0.7f, 0.0f};
+  const DeformJob deform{&view, palette, weights, positions, normals, tangents};
+  ASSERT_TRUE(deform.validate().ok());
+  deform.run(0, view.vertexCount());
+  EXPECT_EQ(std::memcmp(positions.data(), staged.positions.data(), positions.size() * sizeof(Float3)), 0);
+
+  std::vector<std::byte, LineAllocator<std::byte>> scratch(clusters.scratchBytes());
+  std::vector<int16_t> none(staged.weights.size(), 1);
+  ClusterFrameJob job;
+  job.clusters = &clusters;
+  job.posed = memory.of<std::byte>(1).data();  // with no layer to compute, no pose is looked at
+  job.rest = memory.of<uint32_t>(clusters.restWords());
+  job.active_layers = 0;
+  job.weights = none;
+  ASSERT_TRUE(job.validate().ok());
+  job.run(0, clusters.count(), scratch);
+  EXPECT_EQ(none, std::vector<int16_t>(none.size(), 0));
+}
+#endif
 
 // In the captured pose one corner of the sheet is folded to a point and one vertex is nowhere: what lies
 // there is measured no more.

@@ -504,6 +504,48 @@ TEST(RasterShading, DarkensByIntensityTimesMap) {
   EXPECT_NEAR(redAt(scene, 39, 30), 1.0f - 0.5f * 0.8f, 0.01f);  // a quarter into the window
 }
 
+// Weights and places on the maps are those of the point of the ground that a pixel's ray meets.
+TEST(RasterShading, CreasesLieInPerspective) {
+  constexpr uint32_t kSide = 128;
+  constexpr float kDown = 0.5f, kHeight = 2.0f;
+  Scene scene;
+  scene.add({-50, 0, 40}, {60, 0, 40}, {0, 0, -80});
+  scene.uvs = {{0.15f, 0.3f}, {0.85f, 0.3f}, {0.4f, 0.9f}};
+  const int16_t weights[3] = {6553, 32767, 16384};
+  for (const int16_t weight : weights) scene.weights.insert(scene.weights.end(), {weight, 0});
+  scene.set.compress_slice[0] = 0;
+  scene.set.stretch_slice[0] = kAbsent;
+  scene.set.windows[0] = {0, 0, 1, 1};
+  scene.layer.mask_slice = kAbsent;
+  std::vector<std::byte> texels;  // as RGBA8, of which the first channel counts
+  for (uint32_t y = 0; y < 4; ++y)
+    for (uint32_t x = 0; x < 4; ++x) texels.insert(texels.end(), 4, static_cast<std::byte>(60 * x));
+  for (const bool mapped : {false, true}) {
+    scene.set.shading = {TextureFormat::kRgba8, 4, 4, 1, 1, texels};
+    scene.part.texture_set = mapped ? 0 : kAbsent;
+    RasterJob job = scene.job(kSide, kSide, 1);
+    usePlaneView(job, kHeight, kDown);
+    scene.run(job);
+    int compared = 0;
+    for (uint32_t y = 0; y < kSide; ++y)
+      for (uint32_t x = 0; x < kSide; ++x) {
+        const Float4 p = scene.picture[y * kSide + x];
+        if (p.w == 0.0f) continue;
+        const double sx = (x + 0.5) / kSide * 2 - 1, sy = 1 - (y + 0.5) / kSide * 2;
+        const double t = -kHeight / (sy * std::cos(kDown) - std::sin(kDown));
+        const double at_x = sx * t, at_z = (-sy * std::sin(kDown) - std::cos(kDown)) * t;
+        const double c = (40 - at_z) / 120, b = (at_x + 50 * (1 - c)) / 110, a = 1 - b - c;
+        const double w = (a * weights[0] + b * weights[1] + c * weights[2]) / 32767.0;
+        const double u = a * scene.uvs[0].x + b * scene.uvs[1].x + c * scene.uvs[2].x;
+        const double shade = mapped ? (u * 4 - 0.5) * 60 / 255 : job.vertex_shade;
+        const double pixel = 2.0 / kSide * t * t / kHeight;  // on the ground, of 110
+        ASSERT_NEAR(p.x, 1 - w * shade, 0.006 * pixel / 110 * 3 + 1e-4) << x << ' ' << y << ' ' << mapped;
+        ++compared;
+      }
+    EXPECT_GT(compared, 3000);
+  }
+}
+
 TEST(RasterShading, MasksOfTexturesAndOfVertices) {
   const std::vector<std::byte> map = columnsBlock(204, 51, {0, 0, 0, 0});
   const std::vector<std::byte> half = {std::byte{0}, std::byte{0}, std::byte{0}, std::byte{102}};
