@@ -15,6 +15,8 @@
 
 namespace furrow::pipeline {
 
+inline constexpr float kBlendCutoff = 0.35f;  // of blended materials, which are drawn as cut out
+
 enum class MeshFormat { kObj, kPly, kStlText, kStlBinary, kOff };
 
 SourceScene importGltf(const std::filesystem::path& file, std::vector<uint8_t> bytes);

@@ -19,7 +19,6 @@ namespace {
 
 constexpr double kWeightSumNoise = 1e-6;  // left as it is
 constexpr double kWeightSumSlack = 1e-3;  // corrected without a word
-constexpr float kBlendCutoff = 0.35f;     // of blended materials, which are drawn as cut out
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pipeline/error.h"
+#include "pipeline/import/formats.h"
 #include "pipeline/input_file.h"
 
 namespace furrow::pipeline {
@@ -69,6 +70,7 @@ class MtlReader {
       const std::string key = lowerCase(word(line));
       if (key == "newmtl") {
         material_ = &(out_.materials[std::string(line)] = Material());
+        opacity_.clear();
       } else if (material_ && !line.empty()) {
         readLine(key, line);
       }
@@ -86,18 +88,25 @@ class MtlReader {
     } else if (key == "map_kd") {
       // Many exporters leave a grey or black Kd beside the image.
       material_->base_color = glm::vec4(1.0f);
-      float unused = 1.0f;
-      maps.color = readMap(line, unused);
+      maps.color = readMap(line);
+    } else if (key == "map_d") {
+      readOptions(line);
+      opacity_ = namedFile(unquoted(line), folders_);
     } else if (key == "norm" || ((key == "map_bump" || key == "bump") && maps.normal.image == kNoIndex)) {
-      maps.normal_scale = 1.0f;
-      maps.normal = readMap(line, maps.normal_scale);
+      maps.normal = readMap(line, &maps.normal_scale);
     }
+    // An opacity of its own image is left out.
+    const bool cut = maps.color.image != kNoIndex && out_.images[maps.color.image].file == opacity_;
+    maps.opaque_from = cut ? kBlendCutoff : 0.0f;
   }
 
-  // Options, and then a name, which may have spaces.
-  MaterialMap readMap(std::string_view line, float& bump) {
-    MaterialMap map;
-    float scale[3] = {1.0f, 1.0f, 1.0f}, offset[3] = {};
+  struct Options {
+    float scale[3] = {1.0f, 1.0f, 1.0f}, offset[3] = {}, bump = 1.0f;
+  };
+
+  // `line` loses them, and keeps a name, which may have spaces.
+  static Options readOptions(std::string_view& line) {
+    Options options;
     const auto numbers = [&](float* values) {
       for (int i = 0; i < 3; ++i) {
         const auto value = number(line);
@@ -109,18 +118,25 @@ class MtlReader {
       const std::string option = lowerCase(word(line));
       float unused[3];
       if (option == "-s") {
-        numbers(scale);
+        numbers(options.scale);
       } else if (option == "-o") {
-        numbers(offset);
+        numbers(options.offset);
       } else if (option == "-t" || option == "-mm") {
         numbers(unused);
       } else if (option == "-bm") {
-        bump = number(line).value_or(1.0f);
+        options.bump = number(line).value_or(1.0f);
       } else {
         word(line);  // -blendu, -blendv, -boost, -cc, -clamp, -imfchan, -texres, -type
       }
     }
+    return options;
+  }
+
+  MaterialMap readMap(std::string_view line, float* bump = nullptr) {
+    const auto [scale, offset, strength] = readOptions(line);
+    MaterialMap map;
     if (line.empty()) return map;
+    if (bump) *bump = strength;
     // Theirs count v from the bottom of the image, ours from the top.
     map.uv = glm::mat3x2(scale[0], 0.0f, 0.0f, scale[1], offset[0], 1.0f - scale[1] - offset[1]);
     const std::filesystem::path file = namedFile(unquoted(line), folders_);
@@ -133,6 +149,7 @@ class MtlReader {
   std::vector<std::filesystem::path> folders_;
   ObjMaterials& out_;
   Material* material_ = nullptr;
+  std::filesystem::path opacity_;  // image of the material's
 };
 
 }  // namespace

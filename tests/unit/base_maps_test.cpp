@@ -355,6 +355,22 @@ TEST(ObjMaterials, ColoursNormalsAndPlacementAreKept) {
   EXPECT_LT(texelAt(mapsOf(plain).normal, 0, 0, 1, 17).x, 0.4f);  // "norm" counts where both stand
 }
 
+TEST(ObjMaterials, HairIsCutOutWhereItsImageSaysSo) {
+  const ObjSquare square;
+  std::array<Color, 4> colors = kQuadrants;
+  colors[0][3] = 0;
+  writeBytes(square.path("hair.png"), fileOf(quadrants(4, colors), "png"));
+  for (const char* lines :
+       {"map_Kd hair.png\nmap_d -imfchan m hair.png\n", "map_d hair.png\nmap_Kd hair.png\n"}) {
+    square.text("square.mtl", std::string("newmtl other\nmap_Kd hair.png\nnewmtl skin\n") + lines);
+    const Result result = cookFile(square.write());
+    EXPECT_GT(mapsOf(result).opaque_from, 0.0f);
+    EXPECT_EQ(mapsOf(result).color.format, TextureFormat::kBc3);
+  }
+  square.text("square.mtl", "newmtl skin\nmap_d mask.png\nmap_Kd hair.png\n");
+  EXPECT_EQ(mapsOf(cookFile(square.write())).opaque_from, 0.0f);
+}
+
 TEST(ObjMaterials, WhatIsMissingOrDamagedCostsAWarning) {
   const ObjSquare square;
   writeBytes(square.path("grey.png"), fileOf(quadrants(3, {Color{9, 9, 9, 255}, {99, 99, 99, 255}}), "png"));
