@@ -27,6 +27,8 @@ struct Vectors {
 // Unit vectors; +Y where there is no direction.
 HWY_INLINE Vectors unit(const Vectors& v) {
   const Lanes length = root((v.x * v.x + v.y * v.y) + v.z * v.z), inverse = all(1.0f) / length;
+  if (allPositive(length)) [[likely]]
+    return {v.x * inverse, v.y * inverse, v.z * inverse};
   const Lanes zero = all(0.0f), one = all(1.0f);
   return {ifPositive(length, v.x * inverse, zero), ifPositive(length, v.y * inverse, one),
           ifPositive(length, v.z * inverse, zero)};

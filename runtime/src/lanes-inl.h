@@ -70,6 +70,9 @@ HWY_INLINE Lanes ifNotNegative(Lanes a, Lanes yes, Lanes no) {
 HWY_INLINE bool allNotNegative(Lanes a) {
   return a.v[0] >= 0.0f && a.v[1] >= 0.0f && a.v[2] >= 0.0f && a.v[3] >= 0.0f;
 }
+HWY_INLINE bool allPositive(Lanes a) {
+  return a.v[0] > 0.0f && a.v[1] > 0.0f && a.v[2] > 0.0f && a.v[3] > 0.0f;
+}
 HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes m[4] = {a, b, c, d};
   Lanes* out[4] = {&a, &b, &c, &d};
@@ -149,6 +152,9 @@ HWY_INLINE Lanes ifNotNegative(Lanes a, Lanes yes, Lanes no) {
 }
 HWY_INLINE bool allNotNegative(Lanes a) {
   return hn::AllTrue(D(), a >= hn::Zero(D()));
+}
+HWY_INLINE bool allPositive(Lanes a) {
+  return hn::AllTrue(D(), a > hn::Zero(D()));
 }
 // In each block.
 HWY_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& e) {

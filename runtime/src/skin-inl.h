@@ -56,6 +56,26 @@ HWY_INLINE Lanes gatherRow(const Lanes (&groups)[kBlocks][kMatrixVectors][4], in
 #endif
 }
 
+// blend() of four vertices, whose columns c are then in the c-th vectors.
+template <uint32_t kInfluences, typename Joint>
+HWY_INLINE void blendFour(const Affine* palette, const Joint* joints, uint32_t influences,
+                          const float* weights, size_t vertex_step, size_t influence_step,
+                          Lanes (&out)[kMatrixVectors][4]) {
+  for (uint32_t v = 0; v < 4; ++v) {
+    Lanes sum[kMatrixVectors];
+    for (Lanes& s : sum) s = hn::Zero(D());
+    for (uint32_t k = 0; k < (kInfluences ? kInfluences : influences); ++k) {
+      const Lanes w = all(weights[v * vertex_step + k * influence_step]);
+      const float* m = palette[joints[v * influences + k]].m;
+      sum[0] = sum[0] + w * matrixVector<0>(m);
+      if constexpr (kMatrixVectors > 1) sum[1] = sum[1] + w * matrixVector<1>(m);
+      if constexpr (kMatrixVectors > 2) sum[2] = sum[2] + w * matrixVector<2>(m);
+    }
+    for (uint32_t j = 0; j < kMatrixVectors; ++j) out[j][v] = sum[j];
+  }
+  for (auto& quad : out) transpose(quad[0], quad[1], quad[2], quad[3]);
+}
+
 #endif
 
 // sum_k weight_k M_k, k ascending. Vertex v's k-th joint is joints[v * influences + k], its weight
@@ -77,22 +97,13 @@ HWY_INLINE Matrices blendFixed(const Affine* palette, const Joint* joints, uint3
   }
 #else
   Lanes groups[kBlocks][kMatrixVectors][4];
-  for (uint32_t g = 0; g < kBlocks; ++g) {
-    for (uint32_t i = 0; i < 4; ++i) {
-      const uint32_t v = 4 * g + i;
-      Lanes sum[kMatrixVectors];
-      for (Lanes& s : sum) s = hn::Zero(D());
-      for (uint32_t k = 0; k < influences; ++k) {
-        const Lanes w = all(weights[v * vertex_step + k * influence_step]);
-        const float* m = palette[joints[v * influences + k]].m;
-        sum[0] = sum[0] + w * matrixVector<0>(m);
-        if constexpr (kMatrixVectors > 1) sum[1] = sum[1] + w * matrixVector<1>(m);
-        if constexpr (kMatrixVectors > 2) sum[2] = sum[2] + w * matrixVector<2>(m);
-      }
-      for (uint32_t j = 0; j < kMatrixVectors; ++j) groups[g][j][i] = sum[j];
-    }
-    for (auto& quad : groups[g]) transpose(quad[0], quad[1], quad[2], quad[3]);
-  }
+  const auto group = [&](uint32_t g) HWY_ATTR {
+    blendFour<kInfluences>(palette, joints + 4 * g * influences, influences, weights + 4 * g * vertex_step,
+                           vertex_step, influence_step, groups[g]);
+  };
+  group(0);  // not a loop, which would go through memory
+  if constexpr (kBlocks > 1) group(1);
+  if constexpr (kBlocks > 2) group(2), group(3);
   for (int c = 0; c < 4; ++c) {
     out.m[0][c] = gatherRow<0>(groups, c);
     out.m[1][c] = gatherRow<1>(groups, c);
