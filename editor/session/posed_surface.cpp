@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "furrow/jobs.h"
+#include "pipeline/bake/nearest.h"
 #include "pipeline/error.h"
 
 namespace furrow::editor {
@@ -12,29 +13,6 @@ namespace {
 
 glm::vec3 toVec(Float3 p) {
   return {p.x, p.y, p.z};
-}
-
-// Of a triangle, the barycentric coordinates of the place nearest to p (Ericson, Real-Time Collision
-// Detection, 5.1.5).
-glm::vec3 nearestBarycentric(glm::vec3 p, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
-  const glm::vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-  if (d1 <= 0.0f && d2 <= 0.0f) return {1, 0, 0};
-  const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-  if (d3 >= 0.0f && d4 <= d3) return {0, 1, 0};
-  const float vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) return {1.0f - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-  const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-  if (d6 >= 0.0f && d5 <= d6) return {0, 0, 1};
-  const float vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) return {1.0f - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-  const float va = d3 * d6 - d5 * d4;
-  if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) {
-    const float t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1.0f - t, t};
-  }
-  const float sum = va + vb + vc;
-  return sum > 0.0f ? glm::vec3(va, vb, vc) / sum : glm::vec3(1, 0, 0);
 }
 
 }  // namespace
@@ -101,7 +79,7 @@ SurfaceHit PosedSurface::nearestAtRest(glm::vec3 rest) const {
   float least = INFINITY;
   for (uint32_t t = 0; t < asset_.triangleCount(); ++t) {
     const uint32_t* v = &asset_.indices[3 * size_t{t}];
-    const glm::vec3 barycentric = nearestBarycentric(rest, rest_[v[0]], rest_[v[1]], rest_[v[2]]);
+    const glm::vec3 barycentric(pipeline::nearestPlace({rest_[v[0]], rest_[v[1]], rest_[v[2]]}, rest));
     const glm::vec3 gap = restAt(t, barycentric) - rest;
     const float distance = glm::dot(gap, gap);
     if (!(distance < least)) continue;

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -26,9 +25,14 @@ constexpr size_t kRun = 16;  // triangles in one leaf of the tree
 
 using Triangle = std::array<glm::dvec3, 3>;
 
-// Barycentric coordinates of the triangle's place nearest to p [Ericson, Real-Time Collision
-// Detection, 5.1.5].
-glm::dvec3 nearestPlace(const Triangle& triangle, glm::dvec3 p) {
+Triangle cornersOf(const Surface& surface, size_t triangle) {
+  const glm::uvec3 p = surface.trianglePoints(triangle);
+  return {surface.point_positions[p.x], surface.point_positions[p.y], surface.point_positions[p.z]};
+}
+
+}  // namespace
+
+glm::dvec3 nearestPlace(const std::array<glm::dvec3, 3>& triangle, glm::dvec3 p) {
   const auto& [a, b, c] = triangle;
   const glm::dvec3 ab = b - a, ac = c - a;
   const double d1 = glm::dot(ab, p - a), d2 = glm::dot(ac, p - a);
@@ -46,15 +50,9 @@ glm::dvec3 nearestPlace(const Triangle& triangle, glm::dvec3 p) {
     const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
     return {0.0, 1.0 - w, w};
   }
-  return glm::dvec3(va, vb, vc) / (va + vb + vc);
+  const double sum = va + vb + vc;
+  return sum > 0.0 ? glm::dvec3(va, vb, vc) / sum : glm::dvec3(1.0, 0.0, 0.0);
 }
-
-Triangle cornersOf(const Surface& surface, size_t triangle) {
-  const glm::uvec3 p = surface.trianglePoints(triangle);
-  return {surface.point_positions[p.x], surface.point_positions[p.y], surface.point_positions[p.z]};
-}
-
-}  // namespace
 
 // Over runs of triangles that lie together: 13 bytes a triangle.
 class NearestTriangle::Tree {

@@ -2,12 +2,17 @@
 
 // Nearest places of a surface.
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "pipeline/bake/surface.h"
 
 namespace furrow::pipeline {
+
+// Barycentric coordinates of the triangle's place nearest to p [Ericson, Real-Time Collision
+// Detection, 5.1.5]; any of its places if it has no area.
+glm::dvec3 nearestPlace(const std::array<glm::dvec3, 3>& triangle, glm::dvec3 p);
 
 // Over the covered triangles that are not degenerate, of which there must be one.
 class NearestTriangle {

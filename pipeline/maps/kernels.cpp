@@ -14,6 +14,7 @@
 #include <tuple>
 
 #include "pipeline/bake/bucket_sort.h"
+#include "pipeline/bake/nearest.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -23,6 +24,9 @@ constexpr double kCell = 0.62;   // spacings
 constexpr double kJitter = 0.6;  // cells
 constexpr double kCapture =
     0.55;  // cells; a plane has 2 kCapture kernels per cell side squared, whatever its angle
+const glm::dquat kTilt =
+    glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));  // no surface in use lies along the grid
+constexpr double kPatch = 0.3;  // spacings: triangles that share a cell lie within it
 constexpr double kMaxPieces = 4e6;
 constexpr int kSweeps = 48;
 constexpr float kBroken = 0.65f,
@@ -77,37 +81,9 @@ double noise(const glm::dvec3& p, uint64_t seed) {
   return sum;
 }
 
-// Ericson, Real-Time Collision Detection, 5.1.5.
 glm::dvec3 closestPoint(const glm::dvec3& p, const std::array<glm::dvec3, 3>& t) {
-  const glm::dvec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
-  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-  if (d1 <= 0.0 && d2 <= 0.0) {
-    return t[0];
-  }
-  const glm::dvec3 bp = p - t[1];
-  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-  if (d3 >= 0.0 && d4 <= d3) {
-    return t[1];
-  }
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-    return t[0] + ab * (d1 / (d1 - d3));
-  }
-  const glm::dvec3 cp = p - t[2];
-  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-  if (d6 >= 0.0 && d5 <= d6) {
-    return t[2];
-  }
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-    return t[0] + ac * (d2 / (d2 - d6));
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    return t[1] + (t[2] - t[1]) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-  }
-  const double scale = 1.0 / (va + vb + vc);
-  return t[0] + ab * (vb * scale) + ac * (vc * scale);
+  const glm::dvec3 place = nearestPlace(t, p);
+  return t[0] * place.x + t[1] * place.y + t[2] * place.z;
 }
 
 // d and -d become one.
@@ -116,7 +92,6 @@ glm::vec3 canonical(const glm::vec3& d) {
   return lead < 0.0f ? -d : d;
 }
 
-// What the construction knows of a triangle that the layer reaches.
 struct Corner3 {
   std::array<glm::dvec3, 3> p;
   double area2 = 0.0;  // of the parallelogram
@@ -131,7 +106,6 @@ struct Corner3 {
 struct Candidate {
   CellIndex cell{};
   double distance = 0.0;
-  glm::dvec3 position{0.0};
   uint32_t triangle = 0;
 };
 
@@ -153,13 +127,9 @@ class Builder {
         seed_(seed),
         reached_(surface.triangles.size(), false) {
     double pieces = 0.0;
-    corners_.resize(surface.triangles.size());
-    for (uint32_t t = 0; t < corners_.size(); ++t) {
+    for (uint32_t t = 0; t < surface.triangles.size(); ++t) {
       const glm::uvec3 points = surface.trianglePoints(t);
-      Corner3& c = corners_[t];
-      c.p = {surface.point_positions[points.x], surface.point_positions[points.y],
-             surface.point_positions[points.z]};
-      c.area2 = glm::length(glm::cross(c.p[1] - c.p[0], c.p[2] - c.p[0]));
+      const Corner3 c = corners(t);
       const float strength =
           std::max({field.strength[points.x], field.strength[points.y], field.strength[points.z]});
       if (!(strength > 0.0f) || !(c.area2 > 0.0) || !std::isfinite(c.area2)) {
@@ -176,7 +146,12 @@ class Builder {
   }
 
   const std::vector<bool>& reached() const { return reached_; }
-  const Corner3& corners(uint32_t triangle) const { return corners_[triangle]; }
+  Corner3 corners(uint32_t triangle) const {
+    const glm::uvec3 points = surface_.trianglePoints(triangle);
+    const glm::dvec3 a = surface_.point_positions[points.x], b = surface_.point_positions[points.y],
+                     c = surface_.point_positions[points.z];
+    return {{a, b, c}, glm::length(glm::cross(b - a, c - a))};
+  }
   uint32_t triangleOf(uint32_t kernel) const { return triangle_of_[kernel]; }
   uint64_t randomOf(uint32_t kernel, uint64_t salt) const { return mix(random_of_[kernel] ^ salt); }
   float confidenceOf(uint32_t kernel) const { return confidence_of_[kernel]; }
@@ -185,15 +160,9 @@ class Builder {
   // that.
   std::vector<Kernel> place() {
     std::vector<Candidate> candidates;
-    const glm::dquat tilt =
-        glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));  // no surface in use lies along the grid
-    for (uint32_t t = 0; t < corners_.size(); ++t) {
+    for (uint32_t t = 0; t < reached_.size(); ++t) {
       if (reached_[t]) {
-        std::array<glm::dvec3, 3> p{};
-        for (int i = 0; i < 3; ++i) {
-          p[i] = tilt * corners_[t].p[i] / (kCell * spacing_);
-        }
-        collect(t, p, candidates);
+        collect(t, candidates);
       }
     }
     std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -210,8 +179,10 @@ class Builder {
       }
       const glm::uvec3 points = surface_.trianglePoints(candidate.triangle);
       Kernel kernel;
-      const glm::dvec3 position = glm::conjugate(tilt) * (candidate.position * (kCell * spacing_));
-      const glm::vec2 b(corners_[candidate.triangle].barycentric(position));
+      const Corner3 corners3 = corners(candidate.triangle);
+      const glm::dvec3 position =
+          closestPoint(glm::conjugate(kTilt) * centreOf(candidate.cell) * (kCell * spacing_), corners3.p);
+      const glm::vec2 b(corners3.barycentric(position));
       const glm::vec3 w(1.0f - b.x - b.y, b.x, b.y);
       kernel.position = glm::vec3(position);
       const glm::vec3 sum = surface_.point_normals[points.x] * w.x + surface_.point_normals[points.y] * w.y +
@@ -244,7 +215,7 @@ class Builder {
   };
   Edges edges() const {
     std::vector<uint32_t> sides;
-    for (uint32_t t = 0; t < corners_.size(); ++t)
+    for (uint32_t t = 0; t < reached_.size(); ++t)
       if (reached_[t]) sides.insert(sides.end(), {3 * t, 3 * t + 1, 3 * t + 2});
     const auto ends = [&](uint32_t i) {
       const glm::uvec3 p = surface_.trianglePoints(sides[i] / 3);
@@ -253,7 +224,7 @@ class Builder {
     const std::vector<uint32_t> order = sidesByEnds(
         static_cast<uint32_t>(sides.size()), static_cast<uint32_t>(surface_.point_positions.size()), ends);
     Edges result;
-    result.edge_of.resize(3 * corners_.size());
+    result.edge_of.resize(3 * reached_.size());
     for (size_t i = 0; i < order.size(); ++i) {
       if (i == 0 || ends(order[i]) != ends(order[i - 1])) {
         result.offsets.push_back(static_cast<uint32_t>(i));
@@ -270,10 +241,22 @@ class Builder {
     return std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
   }
 
+  // Of a cell, jittered, in cells.
+  glm::dvec3 centreOf(const CellIndex& cell) const {
+    glm::dvec3 centre(0.0);
+    uint64_t h = hash(cell, seed_);
+    for (int i = 0; i < 3; ++i) {
+      centre[i] = static_cast<double>(cell[i]) + 0.5 + kJitter * (unitInterval(h) - 0.5);
+      h = mix(h);
+    }
+    return centre;
+  }
+
   // Cuts the triangle (in cells) into pieces of at most two cells, so that a piece's bounding box is not much
   // more than the piece.
-  void collect(uint32_t triangle, const std::array<glm::dvec3, 3>& whole,
-               std::vector<Candidate>& candidates) const {
+  void collect(uint32_t triangle, std::vector<Candidate>& candidates) const {
+    std::array<glm::dvec3, 3> whole = corners(triangle).p;
+    for (glm::dvec3& p : whole) p = kTilt * p / (kCell * spacing_);
     std::vector<std::array<glm::dvec3, 3>> stack = {whole};
     while (!stack.empty()) {
       const std::array<glm::dvec3, 3> p = stack.back();
@@ -296,16 +279,10 @@ class Builder {
       for (cell[2] = low[2]; cell[2] <= high[2]; ++cell[2]) {
         for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {
           for (cell[0] = low[0]; cell[0] <= high[0]; ++cell[0]) {
-            glm::dvec3 centre(0.0);
-            uint64_t h = hash(cell, seed_);
-            for (int i = 0; i < 3; ++i) {
-              centre[i] = static_cast<double>(cell[i]) + 0.5 + kJitter * (unitInterval(h) - 0.5);
-              h = mix(h);
-            }
-            const glm::dvec3 point = closestPoint(centre, p);
-            const double distance = glm::distance(point, centre);
+            const glm::dvec3 centre = centreOf(cell);
+            const double distance = glm::distance(closestPoint(centre, p), centre);
             if (distance < kCapture) {
-              candidates.push_back({cell, distance, point, triangle});
+              candidates.push_back({cell, distance, triangle});
             }
           }
         }
@@ -341,7 +318,6 @@ class Builder {
   double spacing_;
   uint64_t seed_;
   std::vector<bool> reached_;
-  std::vector<Corner3> corners_;
   std::vector<uint32_t> triangle_of_;
   std::vector<uint64_t> random_of_;
   std::vector<float> confidence_of_;
@@ -484,6 +460,12 @@ std::vector<float> lineNoise(const Graph& lines, const Builder& builder, uint64_
   return values;
 }
 
+bool touch(const glm::uvec3& a, const glm::uvec3& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a[i] == b.x || a[i] == b.y || a[i] == b.z) return true;
+  return false;
+}
+
 float smoothStep(float low, float high, float v) {
   const float t = std::clamp((v - low) / (high - low), 0.0f, 1.0f);
   return t * t * (3.0f - 2.0f * t);
@@ -519,12 +501,27 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
   const auto count = static_cast<uint32_t>(kernels_.size());
   const double reach = kReach * spacing;
 
-  // Grids of the triangles, then who reaches which of their cells.
+  // Grids of the triangles, then who reaches which of their cells. Small triangles that follow each other in
+  // a row share a cell.
   grids_.resize(surface.triangles.size());
   uint32_t cells = 0;
+  glm::dvec3 box_low(0.0), box_high(0.0);  // of the last cell's triangles
   for (uint32_t t = 0; t < grids_.size(); ++t) {
     if (builder.reached()[t]) {
-      const auto& p = builder.corners(t).p;
+      const auto p = builder.corners(t).p;
+      const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])),
+                       high = glm::max(p[0], glm::max(p[1], p[2]));
+      const glm::dvec3 both = glm::max(box_high, high) - glm::min(box_low, low);
+      if (t > 0 && grids_[t - 1].columns > 0 &&
+          touch(surface.trianglePoints(t - 1), surface.trianglePoints(t)) &&
+          std::max({both.x, both.y, both.z}) < kPatch * spacing) {
+        grids_[t] = grids_[t - 1];
+        box_low = glm::min(box_low, low);
+        box_high = glm::max(box_high, high);
+        continue;
+      }
+      box_low = low;
+      box_high = high;
       const auto parts = [&](double length) {
         return static_cast<uint32_t>(std::clamp(std::ceil(length / spacing), 1.0, 4096.0));
       };
@@ -534,14 +531,18 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
   }
   const Builder::Edges edges = builder.edges();
   std::vector<std::pair<uint32_t, uint32_t>> reaches;  // cell, kernel
-  std::vector<uint32_t> visited(surface.triangles.size(), kNoIndex), queue;
+  std::vector<uint32_t> visited(surface.triangles.size(), kNoIndex), last(cells, kNoIndex), queue;
   for (uint32_t k = 0; k < count; ++k) {
     const glm::dvec3 centre(kernels_[k].position);
+    const auto isWithinReach = [&](uint32_t t) {
+      const auto p = builder.corners(t).p;
+      return glm::distance(p[0], centre) < reach || glm::distance(closestPoint(centre, p), centre) < reach;
+    };
     queue.assign(1, builder.triangleOf(k));
     visited[queue[0]] = k;
     for (size_t i = 0; i < queue.size(); ++i) {
       const uint32_t t = queue[i];
-      const Corner3& c = builder.corners(t);
+      const Corner3 c = builder.corners(t);
       const Grid& grid = grids_[t];
       const glm::dvec2 b = c.barycentric(centre);
       // Barycentric coordinate i changes by 1 over the altitude of corner i.
@@ -557,15 +558,18 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
       const auto [row0, row1] = range(b.y - extent2, b.y + extent2, grid.rows);
       for (uint32_t row = row0; row <= row1; ++row) {
         for (uint32_t column = column0; column <= column1; ++column) {
-          reaches.emplace_back(grid.begin + row * grid.columns + column, k);
+          const uint32_t at = grid.begin + row * grid.columns + column;
+          if (last[at] != k) {
+            reaches.emplace_back(at, k);
+          }
+          last[at] = k;
         }
       }
       for (uint32_t corner = 0; corner < 3; ++corner) {
         const uint32_t edge = edges.edge_of[3 * t + corner];
         for (uint32_t e = edges.offsets[edge]; e < edges.offsets[edge + 1]; ++e) {
           const uint32_t other = edges.triangles[e];
-          if (visited[other] != k &&
-              glm::distance(closestPoint(centre, builder.corners(other).p), centre) < reach) {
+          if (visited[other] != k && isWithinReach(other)) {
             visited[other] = k;
             queue.push_back(other);
           }

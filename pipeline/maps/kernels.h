@@ -56,7 +56,7 @@ class Kernels {
 
  private:
   // A triangle is cut into columns x rows equal parallelograms (half of them outside), each with a list of
-  // kernels.
+  // kernels; neighbouring triangles that are far smaller share one.
   struct Grid {
     uint32_t begin = 0;
     uint32_t columns = 0, rows = 0;  // 0: the layer does not reach the triangle
