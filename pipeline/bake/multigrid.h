@@ -10,8 +10,8 @@
 namespace furrow::pipeline {
 
 // A connection Laplacian plus a positive diagonal: Hermitian and positive definite, with a_ij minus the
-// weight of an edge times the turn from j to i. 12 bytes an entry, half of them in single precision, so that
-// millions of points fit.
+// weight of an edge times the turn from j to i. Entries are of single precision, 12
+// bytes each, so that millions of points fit.
 struct Equations {
   struct Entry {
     uint32_t column;

@@ -85,25 +85,33 @@ void shrink(ByteImage& image, uint32_t longest, const auto& half) {
   while (std::max(image.width, image.height) > std::max(longest, 1u)) image = half(image);
 }
 
-// Returns the sum of the squared errors of the texels inside, over all channels, and raises `most`.
-double encodeBlock(const ByteImage& image, uint32_t left, uint32_t top, bool opacity, std::byte* block,
-                   double& most) {
+constexpr size_t blockBytes(bool opacity) {
+  return opacity ? 16 : 8;
+}
+
+void encodeBlock(const ByteImage& image, uint32_t left, uint32_t top, bool opacity, std::byte* block) {
   std::array<uint8_t, 64> texels;
   for (uint32_t i = 0; i < 16; ++i)
     std::copy_n(image.at(std::min(left + i % 4, image.width - 1), std::min(top + i / 4, image.height - 1)), 4,
                 &texels[4 * i]);
-  const size_t bytes = opacity ? 16 : 8;
   std::array<unsigned char, 16> coded{};
   stb_compress_dxt_block(coded.data(), texels.data(), opacity, STB_DXT_HIGHQUAL);
-  std::memcpy(block, coded.data(), bytes);
-  const Texture one = {opacity ? TextureFormat::kBc3 : TextureFormat::kBc1, 4, 4, 1, 1, {block, bytes}};
+  std::memcpy(block, coded.data(), blockBytes(opacity));
+}
+
+// Returns the sum of the squared errors of the texels inside, over all channels, and raises `most`.
+double blockError(const ByteImage& image, uint32_t left, uint32_t top, bool opacity, const std::byte* block,
+                  double& most) {
+  const Texture one = {
+      opacity ? TextureFormat::kBc3 : TextureFormat::kBc1, 4, 4, 1, 1, {block, blockBytes(opacity)}};
   double sum = 0.0;
   for (uint32_t y = 0; y < std::min(4u, image.height - top); ++y)
     for (uint32_t x = 0; x < std::min(4u, image.width - left); ++x) {
       const Float4 texel = texelAt(one, 0, 0, x, y);
       const std::array<float, 4> found = {texel.x, texel.y, texel.z, texel.w};
+      const uint8_t* wanted = image.at(left + x, top + y);
       for (uint32_t c = 0; c < 4; ++c) {
-        const double error = double{found[c]} - texels[4 * (4 * y + x) + c] / 255.0;
+        const double error = double{found[c]} - wanted[c] / 255.0;
         sum += error * error;
         most = std::max(most, std::abs(error));
       }
@@ -133,10 +141,11 @@ EncodedTexture encodeColor(ByteImage image, bool opacity, uint32_t longest, uint
     const uint32_t columns = (image.width + 3) / 4, rows = (image.height + 3) / 4;
     std::vector<double> sums(rows), most(rows);
     parallelFor(rows, threads, [&](uint32_t row) {
-      for (uint32_t column = 0; column < columns; ++column)
-        sums[row] += encodeBlock(
-            image, 4 * column, 4 * row, seen_through,
-            &texture.data[begin + (size_t{row} * columns + column) * (seen_through ? 16 : 8)], most[row]);
+      for (uint32_t column = 0; column < columns; ++column) {
+        std::byte* block = &texture.data[begin + (size_t{row} * columns + column) * blockBytes(seen_through)];
+        encodeBlock(image, 4 * column, 4 * row, seen_through, block);
+        if (level == 0) sums[row] += blockError(image, 4 * column, 4 * row, seen_through, block, most[row]);
+      }
     });
     if (level > 0) continue;
     double sum = 0.0;
