@@ -312,7 +312,7 @@ HWY_INLINE uint32_t measuredLayers(const ClusterFrameJob& job, const Cluster& c)
 
 // x, y, z and anything; the last vertex of the host's array must not be read beyond. All that the loop needs
 // is in variables of its own, for the compiler must take `out` to be anywhere.
-HWY_INLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
+HWY_NOINLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
   const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
   const std::byte* posed = job.posed;
   const size_t stride = job.posed_stride;
@@ -381,7 +381,7 @@ bool addMorphs(const ClusterFrameJob& job, const Cluster& c, const RestHeader& r
 }
 
 template <typename Joint>
-HWY_INLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
+HWY_NOINLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, float* out) {
   const Clusters& clusters = *job.clusters;
   const uint32_t influences = clusters.asset->influences;
   RestHeader rest;
@@ -501,8 +501,8 @@ struct Pass {
 
 // Of up to kLayers layers.
 template <uint32_t kLayers, bool kDirectional>
-HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const Pass& pass, Lanes inverse_scale2,
-                        const float* positions, Ahead& ahead, float* triangle_q) {
+HWY_NOINLINE void measure(const Cluster& c, const uint16_t* corner, const Pass& pass, Lanes inverse_scale2,
+                          const float* positions, Ahead& ahead, float* triangle_q) {
   for (uint32_t group = 0; group < c.triangles; group += kTriangleLanes) {
     ahead.step();
     for (uint32_t i = 0; i < kTriangleLanes; i += kWidth) {
@@ -525,8 +525,8 @@ HWY_INLINE void measure(const Cluster& c, const uint16_t* corner, const Pass& pa
 }
 
 template <uint32_t kLayers>
-HWY_INLINE void smooth(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
-                       float* sums, size_t step) {
+HWY_NOINLINE void smooth(const Cluster& c, const uint32_t* words, const float* triangle_q, Ahead& ahead,
+                         float* sums, size_t step) {
   const uint32_t* chunk = words + c.chunks;
   for (uint32_t point = 0; point < c.points; point += kRingLanes, ++chunk) {
     ahead.step();
