@@ -11,7 +11,6 @@ namespace furrow::editor {
 namespace {
 
 constexpr uint32_t kDraftMapSize = 256;
-constexpr size_t kMostEncoded = 32;  // images, a few MB each
 
 std::filesystem::file_time_type timeOf(const std::filesystem::path& file) {
   std::error_code ignored;
@@ -99,6 +98,7 @@ pipeline::SourceScene CookWorker::scene(const std::filesystem::path& source) {
                                  [](const auto& entry) { return timeOf(entry.first) == entry.second; });
   if (!fresh) {
     scene_file_.clear();
+    memory_.forgetScene();
     scene_times_ = {{source, timeOf(source)}};
     scene_ = pipeline::import(source);
     for (const std::filesystem::path& file : scene_.dependencies)
@@ -129,8 +129,7 @@ void CookWorker::cook(const CookRequest& request, bool draft) {
       options.threads = std::max(1u, std::thread::hardware_concurrency());
       options.progress = [this](const char* stage) { enter(stage); };
       options.images = request.content.images;
-      if (encoded_.size() > kMostEncoded) encoded_.clear();
-      options.encoded = &encoded_;
+      options.memory = &memory_;
       pipeline::Recipe recipe = request.content.recipe;
       if (draft) recipe.map_size = kDraftMapSize;
       pipeline::Cooked cooked = pipeline::cook(scene(request.source), recipe, options);

@@ -14,7 +14,7 @@
 
 #include "editor/document/document.h"
 #include "editor/preview/loaded_asset.h"
-#include "pipeline/cook/base_maps.h"
+#include "pipeline/cook/cook_memory.h"
 #include "pipeline/cook/cook_report.h"
 #include "pipeline/scene/source_scene.h"
 
@@ -72,7 +72,7 @@ class CookWorker {
   std::filesystem::path scene_file_;
   std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> scene_times_;
   pipeline::SourceScene scene_;
-  pipeline::EncodedImages encoded_;
+  pipeline::CookMemory memory_;
 
   std::jthread thread_;
 };

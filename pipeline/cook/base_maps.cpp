@@ -1,13 +1,11 @@
 #include "pipeline/cook/base_maps.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include <algorithm>
 #include <bit>
 #include <set>
 #include <span>
 
+#include "pipeline/content_key.h"
 #include "pipeline/error.h"
 #include "pipeline/input_file.h"
 #include "pipeline/maps/color.h"
@@ -16,12 +14,8 @@ namespace furrow::pipeline {
 namespace {
 
 std::string keyOf(std::span<const uint8_t> bytes, const char* use, float setting, uint32_t longest) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  std::string key = use;
-  for (const uint64_t part :
-       {hash.high64, hash.low64, uint64_t{std::bit_cast<uint32_t>(setting)}, uint64_t{longest}})
-    key += ' ' + std::to_string(part);
-  return key;
+  return use + (' ' + contentKey(std::as_bytes(bytes))) + ' ' +
+         std::to_string(std::bit_cast<uint32_t>(setting)) + ' ' + std::to_string(longest);
 }
 
 }  // namespace

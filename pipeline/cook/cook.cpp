@@ -11,9 +11,7 @@
 #include "pipeline/bake/rest_view.h"
 #include "pipeline/bake/squeeze.h"
 #include "pipeline/bake/weld.h"
-#include "pipeline/cook/layer_bake.h"
-#include "pipeline/cook/map_bake.h"
-#include "pipeline/cook/packing.h"
+#include "pipeline/cook/kept_results.h"
 #include "pipeline/cook/writer.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
@@ -26,6 +24,7 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr size_t kLarge = 1'000'000;  // triangles from which on layers are baked one by one, to save memory
+constexpr size_t kMostEncoded = 32;   // images, a few MB each
 
 class Cook {
  public:
@@ -33,70 +32,52 @@ class Cook {
       : scene_(std::move(scene)),
         recipe_(recipe),
         options_(options),
-        recipe_file_(recipe.file.empty() ? scene_.file.string() : recipe.file.string()) {}
+        recipe_file_(recipe.file.empty() ? scene_.file.string() : recipe.file.string()),
+        memory_(options.memory ? options.memory->kept() : own_memory_) {}
 
   Cooked run() {
     check();
-    if (const auto* rest = std::get_if<RestFile>(&recipe_.rest)) {
-      const SourceScene file = import(rest->file);
-      rest_offsets_ = restOffsets(scene_, file);
-      dependencies_ = file.dependencies;
-    }
     stage("reading the model's maps");
     bakeOwnMaps();
-    stage("welding");
-    weldVertices();
-    const RestPose rest{recipe_.rest, rest_offsets_};
-    std::vector<glm::vec3> source_rest = rest.positions(scene_);
-    inspectTriangles(source_rest);
-    stage("packing geometry");
-    packed_ = packScene(scene_, weld_, recipe_, rest, source_rest, options_.geometry);
-    report_.warnings.insert(report_.warnings.end(), packed_.warnings.begin(), packed_.warnings.end());
-    for (size_t i = 0; i < packed_.parts.size(); ++i)
-      if (scene_.parts[i].material < scene_.materials.size() && packed_.parts[i].has_uvs)
-        packed_.parts[i].base_maps = base_maps_.of_material[scene_.parts[i].material];
-    release(source_rest);
-    stage("measuring the animation");
-    Squeeze squeeze;
-    if (needsSqueeze()) {
-      squeeze = measureSqueeze(scene_, packed_.surface, packed_.source_vertex);
-      if (!squeeze.any())
-        warn(
-            "no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and "
-            "drivers");
-    }
+    findGround();
     stage("baking layers");
     const MaskImages masks = maskImages();
-    const LayerInput input{scene_, packed_.surface, packed_.source_vertex, squeeze,
-                           masks,  options_.images, recipe_file_};
-    std::vector<BakedLayer> layers(recipe_.layers.size());
-    std::vector<std::vector<std::filesystem::path>> images(layers.size());
-    const bool large = packed_.surface.triangles.size() > kLarge;
-    parallelFor(static_cast<uint32_t>(layers.size()), large ? 1 : options_.threads,
-                [&](uint32_t l) { layers[l] = bakeLayer(input, recipe_.layers[l], images[l]); });
-    for (const auto& files : images) dependencies_.insert(dependencies_.end(), files.begin(), files.end());
+    const LayerInput input{ground_->scene,
+                           ground_->packed.surface,
+                           ground_->packed.source_vertex,
+                           ground_->squeeze,
+                           masks,
+                           options_.images,
+                           recipe_file_};
+    std::vector<BakedLayer> layers = bakeLayers(input);
     resolveNames();
     fitResponses(layers);
-    reportConfidence(squeeze, layers);
+    reportConfidence(layers);
     for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
+    std::vector<PackedPart>& parts = ground_->packed.parts;
+    for (PackedPart& part : parts) part.texture_set = kAbsent;
     std::vector<BakedTextureSet> sets =
-        bakeMaps(input, recipe_, layers, options_.threads, dependencies_, report_.warnings);
+        bakeMaps(input, recipe_, layers, options_.threads, dependencies_, report_.warnings, memory_.patterns);
+    own_memory_.patterns.clear();
     for (uint32_t s = 0; s < sets.size(); ++s)
-      for (uint32_t part : sets[s].parts) packed_.parts[part].texture_set = s;
+      for (uint32_t part : sets[s].parts) parts[part].texture_set = s;
 
     stage("packing");
     Cooked cooked;
-    cooked.bytes = writeAsset({scene_, packed_.surface, weld_, recipe_, layers, sets, base_maps_.maps,
-                               packed_.parts, packed_.source_vertex, packed_.colors, packed_.place_points,
-                               packed_.influences, packed_.position_error});
+    const Packing& packed = ground_->packed;
+    cooked.bytes = writeAsset({ground_->scene, packed.surface, ground_->weld, recipe_, layers, sets,
+                               base_maps_.maps, packed.parts, packed.source_vertex, packed.colors,
+                               packed.place_points, packed.influences, packed.position_error});
     report();
-    release(squeeze, layers, sets, packed_.surface, packed_.parts, weld_, packed_.source_vertex,
-            scene_.primitives);
+    cooked.dependencies = ground_->scene.dependencies;
+    const std::string name = ground_->scene.file.string();
+    release(layers, sets, kept_, ground_);
+    own_memory_.forgetScene();
     stage("loading it again");
     Asset loaded;
     if (const Status status = loaded.load(cooked.bytes); !status.ok())
-      throw Error(Exit::kBadData, scene_.file.string(),
+      throw Error(Exit::kBadData, name,
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
     endStage();
@@ -115,7 +96,6 @@ class Cook {
     report_.morph_error = double{loaded.view().morph_error};
     cooked.recipe = recipe_;
     cooked.report = std::move(report_);
-    cooked.dependencies = scene_.dependencies;
     if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
     for (const std::filesystem::path& file : dependencies_) {
       const auto embedded = embeddedImage(file);
@@ -128,9 +108,8 @@ class Cook {
 
  private:
   void bakeOwnMaps() {
-    EncodedImages unknown;
-    base_maps_ = bakeBaseMaps(scene_, recipe_.preview_size, options_.threads,
-                              options_.encoded ? *options_.encoded : unknown);
+    if (memory_.encoded.size() > kMostEncoded) memory_.encoded.clear();
+    base_maps_ = bakeBaseMaps(scene_, recipe_.preview_size, options_.threads, memory_.encoded);
     for (std::string& warning : base_maps_.warnings) warn(std::move(warning));
     dependencies_.insert(dependencies_.end(), base_maps_.dependencies.begin(), base_maps_.dependencies.end());
     release(scene_.images);
@@ -180,27 +159,58 @@ class Cook {
     layer.driver_table.clear();
   }
 
-  void weldVertices() {
-    std::optional<Weld> made = weld(scene_, recipe_.weld_tolerance, rest_offsets_);
-    if (!made)
-      throw Error(Exit::kBadData, recipe_file_,
-                  "weld.tolerance: thousands of vertices lie within a few of it of each other",
-                  "give a length well below that of the edges, or leave it out");
-    weld_ = std::move(*made);
-    recipe_.weld_tolerance = weld_.tolerance;
+  void findGround() {
+    const std::string key = groundKey(recipe_, options_.geometry);
+    if (memory_.ground && !key.empty() && key == memory_.ground_key) {
+      ground_ = memory_.ground;
+    } else {
+      memory_.forgetScene();
+      ground_ = std::make_shared<Ground>(makeGround(std::move(scene_), recipe_, options_.geometry,
+                                                    recipe_file_, [&](const char* name) { stage(name); }));
+      memory_.ground = ground_;
+      memory_.ground_key = key;
+    }
+    recipe_.weld_tolerance = ground_->weld.tolerance;
+    report_.topology = ground_->topology;
+    report_.polygons = ground_->scene.polygons;
+    report_.warnings.insert(report_.warnings.end(), ground_->warnings.begin(), ground_->warnings.end());
+    dependencies_.insert(dependencies_.end(), ground_->dependencies.begin(), ground_->dependencies.end());
+    for (size_t i = 0; i < ground_->packed.parts.size(); ++i) {
+      PackedPart& part = ground_->packed.parts[i];
+      const uint32_t material = ground_->scene.parts[i].material;
+      part.base_maps = material < ground_->scene.materials.size() && part.has_uvs
+                           ? base_maps_.of_material[material]
+                           : kAbsent;
+    }
   }
 
-  // Draco drops faces without area, so the source's are looked at.
-  void inspectTriangles(const std::vector<glm::vec3>& source_rest) {
-    std::vector<glm::uvec3> triangles;
-    uint32_t first_vertex = 0;
-    for (const Part& part : scene_.parts) {
-      const Primitive& primitive = scene_.primitives[part.primitive];
-      for (const glm::uvec3& t : trianglesOf(primitive)) triangles.push_back(t + first_vertex);
-      first_vertex += static_cast<uint32_t>(primitive.positions.size());
+  // `kept_` are those in the memory.
+  std::vector<BakedLayer> bakeLayers(const LayerInput& input) {
+    kept_.resize(recipe_.layers.size());
+    std::vector<std::string> keys(kept_.size());
+    const bool large = input.surface.triangles.size() > kLarge;
+    parallelFor(static_cast<uint32_t>(kept_.size()), large ? 1 : options_.threads, [&](uint32_t l) {
+      if (options_.memory) keys[l] = layerKey(input, recipe_.layers[l]);
+      const auto found = memory_.layers.find(keys[l]);
+      if (found != memory_.layers.end() && !keys[l].empty()) {
+        kept_[l] = found->second;
+      } else {
+        kept_[l] = std::make_shared<KeptLayer>();
+        kept_[l]->baked = bakeLayer(input, recipe_.layers[l], kept_[l]->images);
+      }
+    });
+    memory_.layers.clear();
+    std::vector<BakedLayer> layers;
+    for (size_t l = 0; l < kept_.size(); ++l) {
+      dependencies_.insert(dependencies_.end(), kept_[l]->images.begin(), kept_[l]->images.end());
+      if (options_.memory) {
+        memory_.layers.emplace(keys[l], kept_[l]);
+        layers.push_back(kept_[l]->baked);
+      } else {
+        layers.push_back(std::move(kept_[l]->baked));
+      }
     }
-    report_.polygons = scene_.polygons;
-    report_.topology = inspect(source_rest, weld_.vertex_point, triangles);
+    return layers;
   }
 
   void tellTopology() {
@@ -212,15 +222,6 @@ class Cook {
     tell(topology.duplicate_triangles, " triangles have the corners of another one");
     tell(topology.non_manifold_edges, " edges have more than two triangles");
     tell(topology.isolated_vertices, " vertices are in no triangle");
-  }
-
-  bool needsSqueeze() const {
-    return std::any_of(recipe_.layers.begin(), recipe_.layers.end(), [](const LayerRecipe& layer) {
-      return std::holds_alternative<DirectionAnimation>(layer.direction) ||
-             std::holds_alternative<MaskAuto>(layer.mask) ||
-             std::holds_alternative<MapSynthesized>(layer.compress) ||
-             std::holds_alternative<MapSynthesized>(layer.stretch);
-    });
   }
 
   MaskImages maskImages() {
@@ -243,9 +244,11 @@ class Cook {
     const auto add = [](std::vector<std::string>& names, const std::string& name) {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     };
-    for (const Part& part : scene_.parts) {
+    for (const Part& part : ground_->scene.parts) {
       add(meshes, part.mesh);
-      add(materials, part.material < scene_.materials.size() ? scene_.materials[part.material].name : "");
+      add(materials, part.material < ground_->scene.materials.size()
+                         ? ground_->scene.materials[part.material].name
+                         : "");
     }
     for (std::vector<std::string>* names : {&meshes, &materials})
       if (!std::all_of(names->begin(), names->end(), isRecipeText)) names->clear();
@@ -260,26 +263,33 @@ class Cook {
     std::vector<MeasuredLayer> measured;
     for (size_t l = 0; l < layers.size(); ++l) {
       report_.layers.push_back({recipe_.layers[l].name, {}, {}});
-      if (!recipe_.layers[l].fit) continue;
+      if (!recipe_.layers[l].fit || kept_[l]->alpha) continue;
       fitted.push_back(l);
       measured.push_back({recipe_.layers[l].measure, layers[l].coefficients, layers[l].field.strength});
     }
     if (!fitted.empty()) {
-      const Rings rings = makeRings(restView(packed_.surface));
-      const auto alpha = largestAlpha(scene_, packed_.surface, packed_.source_vertex, rings, measured);
-      for (size_t i = 0; i < fitted.size(); ++i)
-        fitLayer(fitted[i], percentile95(packed_.surface, layers[fitted[i]].covered,
-                                         layers[fitted[i]].field.strength, alpha[i]));
+      const Surface& surface = ground_->packed.surface;
+      const Rings rings = makeRings(restView(surface));
+      const auto alpha =
+          largestAlpha(ground_->scene, surface, ground_->packed.source_vertex, rings, measured);
+      for (size_t i = 0; i < fitted.size(); ++i) {
+        const BakedLayer& layer = layers[fitted[i]];
+        kept_[fitted[i]]->alpha = percentile95(surface, layer.covered, layer.field.strength, alpha[i]);
+      }
     }
-    for (size_t l = 0; l < layers.size(); ++l) report_.layers[l].response = recipe_.layers[l].response;
+    for (size_t l = 0; l < layers.size(); ++l) {
+      if (recipe_.layers[l].fit) fitLayer(l, *kept_[l]->alpha);
+      report_.layers[l].response = recipe_.layers[l].response;
+    }
   }
 
-  void reportConfidence(const Squeeze& squeeze, const std::vector<BakedLayer>& layers) {
+  void reportConfidence(const std::vector<BakedLayer>& layers) {
     constexpr double kMuch = 0.5;
     for (size_t l = 0; l < layers.size(); ++l) {
       const LayerRecipe& layer = recipe_.layers[l];
       const double unsure = report_.layers[l].low_confidence = layers[l].unsure;
-      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !squeeze.any();
+      const bool still =
+          std::holds_alternative<DirectionAnimation>(layer.direction) && !ground_->squeeze.any();
       if (unsure > kMuch && !still)
         warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
              std::to_string(std::lround(100.0 * unsure)) +
@@ -310,38 +320,40 @@ class Cook {
   }
 
   void report() {
-    report_.vertices = static_cast<uint32_t>(packed_.surface.positions.size());
-    report_.triangles = static_cast<uint32_t>(packed_.surface.triangles.size());
-    report_.weld_tolerance = weld_.tolerance;
-    report_.places = weld_.places;
-    report_.points = weld_.points;
-    report_.morphs = static_cast<uint32_t>(scene_.rig.morphs.size());
-    report_.clips = static_cast<uint32_t>(scene_.rig.clips.size());
-    report_.position_error = packed_.position_error;
+    const Packing& packed = ground_->packed;
+    report_.vertices = static_cast<uint32_t>(packed.surface.positions.size());
+    report_.triangles = static_cast<uint32_t>(packed.surface.triangles.size());
+    report_.weld_tolerance = ground_->weld.tolerance;
+    report_.places = ground_->weld.places;
+    report_.points = ground_->weld.points;
+    report_.morphs = static_cast<uint32_t>(ground_->scene.rig.morphs.size());
+    report_.clips = static_cast<uint32_t>(ground_->scene.rig.clips.size());
+    report_.position_error = packed.position_error;
     glm::vec3 lowest(INFINITY), highest(-INFINITY);
-    for (const glm::vec3& p : packed_.surface.positions) {
+    for (const glm::vec3& p : packed.surface.positions) {
       lowest = glm::min(lowest, p);
       highest = glm::max(highest, p);
     }
     report_.diagonal = glm::distance(lowest, highest);
     tellTopology();
-    const bool some_without_uvs = std::any_of(packed_.parts.begin(), packed_.parts.end(),
+    const bool some_without_uvs = std::any_of(packed.parts.begin(), packed.parts.end(),
                                               [](const PackedPart& part) { return !part.has_uvs; });
     if (some_without_uvs)
       warn("a mesh has no UVs: it gets weights and alpha shading by vertex, but no wrinkle maps");
   }
 
-  SourceScene scene_;
+  SourceScene scene_;  // until there is a ground
   Recipe recipe_;
   const CookOptions& options_;
   std::string recipe_file_;
   CookReport report_;
   std::chrono::steady_clock::time_point stage_begin_;
-  Weld weld_;
-  Packing packed_;
   SceneBaseMaps base_maps_;
   std::vector<std::filesystem::path> dependencies_;
-  std::vector<glm::dvec3> rest_offsets_;  // a vertex in source order; empty unless another file is the rest
+  KeptResults own_memory_;  // where nobody gave one
+  KeptResults& memory_;
+  std::shared_ptr<Ground> ground_;
+  std::vector<std::shared_ptr<KeptLayer>> kept_;  // a layer
 };
 
 }  // namespace

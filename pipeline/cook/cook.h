@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/cook/base_maps.h"
+#include "pipeline/cook/cook_memory.h"
 #include "pipeline/cook/cook_report.h"
 #include "pipeline/maps/image.h"
 #include "pipeline/pack/geometry_codec.h"
@@ -20,8 +20,8 @@ struct CookOptions {
   uint32_t threads = 2;
   // Called before every stage; an exception of its own ends the cook.
   std::function<void(const char* stage)> progress = [](const char*) {};
-  Images images = {};                // masks, biases and directions that are not read from their files
-  EncodedImages* encoded = nullptr;  // of earlier cooks; this one adds its own
+  Images images = {};            // masks, biases and directions that are not read from their files
+  CookMemory* memory = nullptr;  // of earlier cooks of the same scene; this one leaves its own
 };
 
 struct Cooked {

@@ -7,6 +7,7 @@
 #include "direction_codec.h"
 #include "pipeline/bake/image_directions.h"
 #include "pipeline/bake/rest_view.h"
+#include "pipeline/content_key.h"
 #include "pipeline/error.h"
 #include "pipeline/maps/authored.h"
 #include "pipeline/scene/posing.h"
@@ -351,6 +352,32 @@ class LayerBake {
 BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
                      std::vector<std::filesystem::path>& dependencies) {
   return LayerBake(input, recipe).bake(dependencies);
+}
+
+std::string layerKey(const LayerInput& input, const LayerRecipe& recipe) {
+  Recipe alone;
+  LayerRecipe& layer = alone.layers.emplace_back();
+  layer.name = recipe.name;
+  layer.meshes = recipe.meshes;
+  layer.materials = recipe.materials;
+  layer.direction = recipe.direction;
+  layer.measure = recipe.measure;
+  layer.mask = recipe.mask;
+  layer.bias = recipe.bias;
+  std::string key = recipeText(alone, "/key");
+  const auto add = [&](const ByteImage& image) {
+    key += contentKey(std::as_bytes(std::span(image.pixels))) + ' ' + std::to_string(image.width) + ' ' +
+           std::to_string(image.channels) + '\n';
+  };
+  if (const auto* mask = std::get_if<MaskTexture>(&layer.mask)) add(input.masks.at(mask->texture));
+  if (layer.bias && !layer.bias->texture.empty()) add(input.masks.at(layer.bias->texture));
+  if (std::holds_alternative<DirectionMap>(layer.direction)) return {};
+  if (const auto* flow = std::get_if<DirectionTexture>(&layer.direction)) {
+    const auto given = input.images.find(flow->texture);
+    if (given == input.images.end()) return {};
+    add(*given->second);
+  }
+  return key;
 }
 
 std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze) {

@@ -40,6 +40,10 @@ struct LayerInput {
 BakedLayer bakeLayer(const LayerInput& input, const LayerRecipe& recipe,
                      std::vector<std::filesystem::path>& dependencies);
 
+// All that the baked layer depends on but the scene, its surface and its squeeze; empty where it reads a file
+// of directions.
+std::string layerKey(const LayerInput& input, const LayerRecipe& recipe);
+
 // Per point, the largest squeeze of its triangles; 0 where none was measured.
 std::vector<float> pointPeaks(const Surface& surface, const Squeeze& squeeze);
 

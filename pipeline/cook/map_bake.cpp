@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "pipeline/content_key.h"
 #include "pipeline/error.h"
 #include "pipeline/legible.h"
 #include "pipeline/maps/authored.h"
@@ -66,17 +68,47 @@ Run usedRun(const std::vector<bool>& used) {
   return {(gap.begin + gap.count + size - kWindowMargin) % size, count};
 }
 
+// By all that a pattern depends on but the surface.
+std::string patternKey(const SynthesisSettings& settings, const LayerField& field) {
+  std::string key = std::to_string(static_cast<int>(settings.preset)) + ' ' + std::to_string(settings.seed);
+  for (const double value : {settings.spacing, settings.depth})
+    key += ' ' + std::to_string(std::bit_cast<uint64_t>(value));
+  for (const auto bytes :
+       {std::as_bytes(std::span(field.direction)), std::as_bytes(std::span(field.confidence)),
+        std::as_bytes(std::span(field.strength))})
+    key += ' ' + contentKey(bytes);
+  return key;
+}
+
+}  // namespace
+
+struct Pattern {
+  Pattern(std::string of, const Surface& surface, LayerField of_layer, const SynthesisSettings& wanted)
+      : key(std::move(of)),
+        settings(wanted),
+        field(std::move(of_layer)),
+        synthesis(surface, field, settings) {}
+
+  const std::string key;
+  const SynthesisSettings settings;
+  const LayerField field;
+  const Synthesis synthesis;
+};
+
+namespace {
+
 class MapBake {
  public:
   MapBake(const LayerInput& input, const Recipe& recipe, const std::vector<BakedLayer>& layers,
           uint32_t threads, std::vector<std::filesystem::path>& dependencies,
-          std::vector<std::string>& warnings)
+          std::vector<std::string>& warnings, Patterns& known)
       : in_(input),
         recipe_(recipe),
         layers_(layers),
         threads_(threads),
         dependencies_(dependencies),
-        warnings_(warnings) {}
+        warnings_(warnings),
+        known_(known) {}
 
   std::vector<BakedTextureSet> bake() {
     std::map<uint32_t, BakedTextureSet>
@@ -99,6 +131,10 @@ class MapBake {
       compress_[l] = prepare(recipe_.layers[l].compress, layers_[l], recipe_.layers[l].name);
       stretch_[l] = prepare(recipe_.layers[l].stretch, layers_[l], recipe_.layers[l].name);
     });
+    known_.clear();
+    for (const auto& patterns : {compress_, stretch_})
+      for (const auto& pattern : patterns)
+        if (pattern) known_.emplace(pattern->key, pattern);
     std::vector<BakedTextureSet> sets;
     for (auto& [material, set] : by_material) join(sets, std::move(set));
     for (BakedTextureSet& set : sets) bakeSet(set);
@@ -137,30 +173,20 @@ class MapBake {
     taken_.push_back(std::move(texels));
   }
 
-  struct Source {
-    std::optional<SynthesisSettings> settings;
-    std::shared_ptr<LayerField> field;  // outlives the synthesis
-    std::shared_ptr<Synthesis> synthesis;
-  };
-
-  Source prepare(const Map& map, const BakedLayer& layer, const std::string& name) const {
-    Source source;
+  std::shared_ptr<const Pattern> prepare(const Map& map, const BakedLayer& layer, const std::string& name) {
     const auto* wanted = std::get_if<MapSynthesized>(&map);
-    if (!wanted || !wanted->preset) return source;
-    source.settings.emplace();
-    source.settings->preset = *wanted->preset;
-    source.settings->spacing = wanted->spacing;
-    source.settings->depth = wanted->depth;
-    source.settings->seed = wanted->seed;
-    source.field = std::make_shared<LayerField>(layer.field);
-    deepen(source.field->strength);
+    if (!wanted || !wanted->preset) return nullptr;
+    const SynthesisSettings settings{*wanted->preset, wanted->spacing, wanted->depth, wanted->seed};
+    LayerField field = layer.field;
+    deepen(field.strength);
+    const std::string key = patternKey(settings, field);
+    if (const auto found = known_.find(key); found != known_.end()) return found->second;
     try {
-      source.synthesis = std::make_shared<Synthesis>(in_.surface, *source.field, *source.settings);
+      return std::make_shared<const Pattern>(key, in_.surface, std::move(field), settings);
     } catch (const std::length_error& error) {
       throw Error(Exit::kBadData, in_.recipe_file, "layer \"" + name + "\": " + error.what(),
                   "give a larger spacing or a smaller mask");
     }
-    return source;
   }
 
   // From a mask to the depth of the map: full where the clips squeeze the layer most, less where they squeeze
@@ -297,7 +323,7 @@ class MapBake {
     size_t layer = 0;
     const Map* map = nullptr;
     const MapFinish* finish = nullptr;
-    const Source* source = nullptr;
+    const Pattern* pattern = nullptr;
     TexelGrid grid;
     Image image;             // authored slopes or heights
     glm::dvec2 wanted{0.0};  // texels of the window
@@ -313,7 +339,7 @@ class MapBake {
     Pose pose{layer,
               stretch ? &recipe.stretch : &recipe.compress,
               stretch ? &recipe.stretch_finish : &recipe.compress_finish,
-              stretch ? &stretch_[layer] : &compress_[layer],
+              stretch ? stretch_[layer].get() : compress_[layer].get(),
               window,
               {},
               {}};
@@ -323,8 +349,8 @@ class MapBake {
     } else if (const auto* height = std::get_if<MapHeight>(pose.map)) {
       dependencies_.push_back(height->texture);
       pose.image = readHeights(height->texture);
-    } else if (pose.source->synthesis) {
-      pose.wanted = window.extent * (kTexelsASpacing * length_of_uv / pose.source->settings->spacing);
+    } else if (pose.pattern) {
+      pose.wanted = window.extent * (kTexelsASpacing * length_of_uv / pose.pattern->settings.spacing);
     }
     if (pose.image.width > 0) pose.wanted = window.extent * glm::dvec2(pose.image.width, pose.image.height);
     return pose;
@@ -337,7 +363,7 @@ class MapBake {
     } else if (const auto* height = std::get_if<MapHeight>(pose.map)) {
       maps = mapsFromHeights(pose.image, in_.surface, texels, height->depth);
     } else {
-      SynthesizedMaps drawn = pose.source->synthesis->draw(texels, threads_);
+      SynthesizedMaps drawn = pose.pattern->synthesis.draw(texels, threads_);
       maps = {std::move(drawn.normal), std::move(drawn.shading)};
     }
     if (pose.finish->limit < 1.0) limitNormals(maps.normal, static_cast<float>(pose.finish->limit));
@@ -409,7 +435,8 @@ class MapBake {
   uint32_t threads_;
   std::vector<std::filesystem::path>& dependencies_;
   std::vector<std::string>& warnings_;
-  std::vector<Source> compress_, stretch_;
+  Patterns& known_;
+  std::vector<std::shared_ptr<const Pattern>> compress_, stretch_;
   std::vector<float> peaks_;              // a point
   std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
 };
@@ -446,8 +473,8 @@ void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& 
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies,
-                                      std::vector<std::string>& warnings) {
-  return MapBake(input, recipe, layers, threads, dependencies, warnings).bake();
+                                      std::vector<std::string>& warnings, Patterns& known) {
+  return MapBake(input, recipe, layers, threads, dependencies, warnings, known).bake();
 }
 
 }  // namespace furrow::pipeline

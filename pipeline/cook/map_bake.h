@@ -3,10 +3,20 @@
 // The maps of an asset: texture sets by material, with the wrinkle maps, shading maps and masks of every
 // layer.
 
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "pipeline/cook/layer_bake.h"
 #include "pipeline/maps/encode.h"
 
 namespace furrow::pipeline {
+
+// The patterns of synthesised layers, by all that they are made from but the surface, which must outlive
+// them.
+struct Pattern;
+using Patterns = std::map<std::string, std::shared_ptr<const Pattern>>;
 
 struct BakedTextureSet {
   std::string name;
@@ -22,10 +32,11 @@ void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& 
 
 // Sets for the materials that have UVs and that a layer shows on; materials whose charts share one atlas
 // without overlapping together. The layers' maps are resolved. `dependencies` gains the images read,
-// `warnings` what does not look as it should. Throws Error (kBadData) for an image that cannot be used.
+// `warnings` what does not look as it should; patterns in `known` are not made again, and it is left with
+// those that were drawn. Throws Error (kBadData) for an image that cannot be used.
 std::vector<BakedTextureSet> bakeMaps(const LayerInput& input, const Recipe& recipe,
                                       const std::vector<BakedLayer>& layers, uint32_t threads,
                                       std::vector<std::filesystem::path>& dependencies,
-                                      std::vector<std::string>& warnings);
+                                      std::vector<std::string>& warnings, Patterns& known);
 
 }  // namespace furrow::pipeline

@@ -154,11 +154,10 @@ class Packer {
     }
   }
 
-  // COLOR_0 is a colour unless a layer reads its bias or mask from it. Colours follow the vertices in
-  // `source`.
+  // Colours follow the vertices in `source`.
   void packColors(const Primitive& primitive, std::span<const uint32_t> source) {
     const auto found = std::ranges::find(primitive.attributes, kColorAttribute, &Attribute::name);
-    if (found != primitive.attributes.end() && colorsAreColors()) {
+    if (found != primitive.attributes.end() && colorsAreColors(recipe_)) {
       out_.colors.resize(packed_vertices_, glm::u8vec4(255));
       for (uint32_t v : source) {
         const float* c = &found->values[size_t{v} * found->components];
@@ -170,15 +169,6 @@ class Packer {
       out_.colors.resize(out_.colors.size() + source.size(), glm::u8vec4(255));
     }
     packed_vertices_ += source.size();
-  }
-
-  bool colorsAreColors() const {
-    return std::ranges::none_of(recipe_.layers, [](const LayerRecipe& layer) {
-      const auto* mask = std::get_if<MaskAttribute>(&layer.mask);
-      const auto* direction = std::get_if<DirectionAttribute>(&layer.direction);
-      return (layer.bias && layer.bias->attribute == kColorAttribute) ||
-             (mask && mask->name == kColorAttribute) || (direction && direction->name == kColorAttribute);
-    });
   }
 
   void makeSurface(const std::vector<glm::vec3>& source_rest) {
@@ -299,6 +289,15 @@ std::vector<glm::vec3> RestPose::positions(const SourceScene& scene) const {
 Packing packScene(SourceScene& scene, Weld& weld, const Recipe& recipe, const RestPose& rest,
                   const std::vector<glm::vec3>& before, GeometryCodec codec) {
   return Packer(scene, weld, recipe, rest, codec).pack(before);
+}
+
+bool colorsAreColors(const Recipe& recipe) {
+  return std::ranges::none_of(recipe.layers, [](const LayerRecipe& layer) {
+    const auto* mask = std::get_if<MaskAttribute>(&layer.mask);
+    const auto* direction = std::get_if<DirectionAttribute>(&layer.direction);
+    return (layer.bias && layer.bias->attribute == kColorAttribute) ||
+           (mask && mask->name == kColorAttribute) || (direction && direction->name == kColorAttribute);
+  });
 }
 
 std::span<const glm::uvec3> trianglesOf(const Primitive& primitive) {

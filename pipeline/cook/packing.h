@@ -43,6 +43,9 @@ struct RestPose {
 Packing packScene(SourceScene& scene, Weld& weld, const Recipe& recipe, const RestPose& rest,
                   const std::vector<glm::vec3>& before, GeometryCodec codec);
 
+// Whether COLOR_0 is a colour: no layer reads its bias, mask or direction from it.
+bool colorsAreColors(const Recipe& recipe);
+
 std::span<const glm::uvec3> trianglesOf(const Primitive& primitive);
 
 }  // namespace furrow::pipeline

@@ -25,6 +25,7 @@ struct Sheet {
   std::vector<BakedLayer> layers;
   std::vector<std::filesystem::path> dependencies;
   std::vector<std::string> warnings;
+  Patterns known;
 
   explicit Sheet(float shift = 0.0f) {
     scene.parts.resize(1);
@@ -76,7 +77,7 @@ struct Sheet {
 
   std::vector<BakedTextureSet> bakeAll(uint32_t threads = 2) {
     return bakeMaps({scene, surface, source_vertex, squeeze, masks, {}, "recipe.json"}, recipe, layers,
-                    threads, dependencies, warnings);
+                    threads, dependencies, warnings, known);
   }
   BakedTextureSet bake(uint32_t threads = 2) {
     auto sets = bakeAll(threads);
