@@ -48,6 +48,15 @@ std::optional<CookResult> CookWorker::take() {
   return result;
 }
 
+void CookWorker::proceed() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!results_.empty()) return;
+    held_ = false;
+  }
+  woken_.notify_all();
+}
+
 bool CookWorker::busy() const {
   const std::lock_guard lock(mutex_);
   return at_work_ || waiting_ || !outputs_.empty() || !results_.empty();
@@ -85,11 +94,19 @@ void CookWorker::work() {
     const bool drafted = request.draft && (request.content.recipe.map_size == 0 ||
                                            request.content.recipe.map_size > kDraftMapSize);
     try {
-      if (drafted) cook(request, true);
+      if (drafted) {
+        cook(request, true);
+        waitUntilShown();
+      }
       cook(request, false);
     } catch (const Cancelled&) {
     }
   }
+}
+
+void CookWorker::waitUntilShown() {
+  std::unique_lock lock(mutex_);
+  woken_.wait(lock, [this] { return stop_ || waiting_ || !held_; });
 }
 
 pipeline::SourceScene CookWorker::scene(const std::filesystem::path& source) {
@@ -150,6 +167,7 @@ void CookWorker::cook(const CookRequest& request, bool draft) {
   {
     const std::lock_guard lock(mutex_);
     results_.push_back(std::move(result));
+    held_ = draft;
   }
   if (draft && failed) throw Cancelled();  // the whole cook would fail in the same way
 }

@@ -40,7 +40,8 @@ struct CookResult {
 };
 
 // One thread and at most one request that waits: a newer one takes its place, and ends a cook whose draft was
-// shown. Requests with an output are all done, in their order. The scene of the last source is kept until its
+// shown. The whole cook leaves the processors to the first picture of its draft: it waits for proceed().
+// Requests with an output are all done, in their order. The scene of the last source is kept until its
 // files change.
 class CookWorker {
  public:
@@ -49,6 +50,7 @@ class CookWorker {
 
   void request(CookRequest request);
   std::optional<CookResult> take();  // the oldest result not yet taken
+  void proceed();                    // the draft that was taken has been shown: the whole cook may begin
   bool busy() const;                 // something waits or is at work
   std::string stage() const;         // of the cook at work, for people; empty: none
 
@@ -58,6 +60,7 @@ class CookWorker {
   void work();
   void cook(const CookRequest& request, bool draft);
   pipeline::SourceScene scene(const std::filesystem::path& source);
+  void waitUntilShown();
   void enter(const char* stage);  // throws Cancelled if the work has become pointless
 
   mutable std::mutex mutex_;
@@ -66,7 +69,7 @@ class CookWorker {
   std::deque<CookRequest> outputs_;
   std::deque<CookResult> results_;
   std::string stage_;
-  bool at_work_ = false, may_cancel_ = false, stop_ = false;
+  bool at_work_ = false, may_cancel_ = false, held_ = false, stop_ = false;
 
   // Of the worker alone.
   std::filesystem::path scene_file_;

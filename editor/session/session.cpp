@@ -129,6 +129,7 @@ void Session::request() {
 }
 
 void Session::update(double seconds) {
+  worker_.proceed();  // the frame of the last update was drawn
   takeResults();
   if (source_.empty()) return;
   since_look_ += seconds;
