@@ -125,6 +125,11 @@ void Editor::takeSample() {
     state_.session.tell(Message::Kind::kError, result->error);
 }
 
+void Editor::contextLost(const preview::ContextLost& lost) {
+  state_.session.tell(Message::Kind::kWarning, lost.what());
+  viewport_.contextLost();
+}
+
 void Editor::frame(double seconds) {
   beginFrame();
   // The arrows belong to the brush while the keyboard moves it.

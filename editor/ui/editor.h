@@ -25,8 +25,8 @@ class Editor {
   void drop(const std::filesystem::path& file);
   void askToQuit();
   bool quit() const { return state_.quit; }
-  // After preview::ContextLost: frame() needs another context.
-  void contextLost() { viewport_.contextLost(); }
+  // After frame() threw preview::ContextLost: the next one needs another context.
+  void contextLost(const preview::ContextLost& lost);
   bool working() const { return state_.session.cooking() || share_.running() || samples_.making(); }
   // Whether pictures change without any event: a window must not sleep.
   bool busy() const;

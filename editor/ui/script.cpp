@@ -74,11 +74,14 @@ class Runner {
 
   void frame() {
     screen_.begin();
-    ImGuiIO& io = ImGui::GetIO();
     // NewFrame() has taken the events that were set for it.
-    editor_.frame(kStep);
+    try {
+      editor_.frame(kStep);
+    } catch (const preview::ContextLost& lost) {
+      return screen_.remake(lost);
+    }
     screen_.end();
-    io.MouseWheel = 0.0f;
+    ImGui::GetIO().MouseWheel = 0.0f;
   }
 
   void set() {

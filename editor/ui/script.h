@@ -33,6 +33,8 @@ struct Screen {
   std::function<void()> begin;               // events and ImGui::NewFrame(), but no pointer and no keys
   std::function<void()> end;                 // ImGui::Render() and drawing
   std::function<pipeline::Image()> picture;  // of the last frame, 4 channels, row 0 on top
+  // The OpenGL context was lost before end(): another one, and imgui in it.
+  std::function<void(const preview::ContextLost&)> remake;
 };
 
 // Throws pipeline::Error: kBadUsage naming script and line where a command is none, a widget is not on the

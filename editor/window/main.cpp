@@ -52,14 +52,29 @@ void parseSize(const std::string& text, int& width, int& height) {
               "write for example --size 1440x900");
 }
 
-// A window with OpenGL and imgui.
-class Window {
+// The connection to the screen.
+class Display {
  public:
-  Window(int width, int height) {
+  Display() {
     glfwSetErrorCallback([](int, const char* text) { last_error_ = text; });
     if (!glfwInit())
       throw Error(Exit::kEnvironment, "display", "no window can be opened (" + last_error_ + ")",
                   "start it where there is a screen, or use 'furrow render'");
+  }
+  ~Display() { glfwTerminate(); }
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+
+  static const std::string& lastError() { return last_error_; }
+
+ private:
+  inline static std::string last_error_ = "no reason given";
+};
+
+// A window with OpenGL and imgui.
+class Window {
+ public:
+  Window(int width, int height) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -70,12 +85,10 @@ class Window {
       glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_NO_ROBUSTNESS);
       window_ = glfwCreateWindow(width, height, "furrow", nullptr, nullptr);
     }
-    if (!window_) {
-      glfwTerminate();
+    if (!window_)
       throw Error(Exit::kEnvironment, "display",
-                  "no window with OpenGL 3.3 can be opened (" + last_error_ + ")",
+                  "no window with OpenGL 3.3 can be opened (" + Display::lastError() + ")",
                   "update the graphics driver");
-    }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     ImGui::CreateContext();
@@ -88,7 +101,6 @@ class Window {
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
     glfwDestroyWindow(window_);
-    glfwTerminate();
   }
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -139,7 +151,6 @@ class Window {
   }
 
  private:
-  inline static std::string last_error_ = "no reason given";
   GLFWwindow* window_ = nullptr;
 };
 
@@ -157,12 +168,22 @@ void runHeadless(const Options& options, Settings& settings) {
   int width = 1440, height = 900;
   if (!options.size.empty()) parseSize(options.size, width, height);
   const std::string text = readText(options.script);
-  const preview::HeadlessContext context;
-  ui::HeadlessScreen screen(width, height, options.scale > 0.0f ? options.scale : 1.0f);
+  std::optional<preview::HeadlessContext> context(std::in_place);
+  std::optional<ui::HeadlessScreen> headless;
+  const float scale = options.scale > 0.0f ? options.scale : 1.0f;
+  headless.emplace(width, height, scale);
   Session session;
   ui::Editor editor(session, settings);
   start(editor, session, options);
-  ui::runScript(text, options.script, editor, screen.screen(), options.frames);
+  ui::Screen screen = headless->screen();  // of what is in `headless`, the next one too
+  screen.remake = [&](const preview::ContextLost& lost) {
+    editor.contextLost(lost);
+    headless.reset();
+    context.reset();
+    context.emplace();
+    headless.emplace(width, height, scale);
+  };
+  ui::runScript(text, options.script, editor, screen, options.frames);
 }
 
 // The editor in a window, which is made anew when the driver takes its context away.
@@ -189,8 +210,7 @@ class Desktop {
   }
 
   void remake(const preview::ContextLost& lost) {
-    session.tell(Message::Kind::kWarning, lost.what());
-    editor.contextLost();
+    editor.contextLost(lost);
     window_.reset();
     window_.emplace(settings_.width, settings_.height);
     appear();
@@ -207,6 +227,7 @@ class Desktop {
   }
 
   Settings& settings_;
+  const Display display_;  // stays: a server without clients may shut its door
   std::optional<Window> window_;
   float scale_ = 0.0f;
 
@@ -246,6 +267,7 @@ void runWindow(const Options& options, Settings& settings) {
       glfwSwapBuffers(desktop.window().handle());
     };
     screen.picture = [&] { return last; };
+    screen.remake = [&](const preview::ContextLost& lost) { desktop.remake(lost); };
     ui::runScript(readText(options.script), options.script, editor, screen, options.frames);
     return;
   }

@@ -1,5 +1,5 @@
-// Preloaded into the tool, plays a driver that is reset: in the first so many frames that FURROW_LOSSES says,
-// glGetGraphicsResetStatus finds the context lost.
+// Preloaded into the tool or the editor, plays a driver that is reset: in the first so many frames that
+// FURROW_LOSSES says, glGetGraphicsResetStatus finds the context lost.
 
 #include <dlfcn.h>
 
@@ -20,8 +20,15 @@ unsigned resetStatus() {
   return losses > 0 ? (--losses, kInnocentContextReset) : kNoError;
 }
 
+bool findsFunctions(const char* name) {
+  for (const char* finder : {"eglGetProcAddress", "glXGetProcAddress", "glXGetProcAddressARB"})
+    if (std::strcmp(name, finder) == 0) return true;
+  return false;
+}
+
 void (*getProcAddress(const char* name))() {
   if (std::strcmp(name, "glGetGraphicsResetStatus") == 0) return reinterpret_cast<void (*)()>(resetStatus);
+  if (findsFunctions(name)) return reinterpret_cast<void (*)()>(getProcAddress);
   return get_proc_address(name);
 }
 
@@ -36,7 +43,7 @@ extern "C" void* dlsym(void* handle, const char* name) {
     return reinterpret_cast<Find>(symbol);
   }();
   void* found = real(handle, name);
-  if (!found || std::strcmp(name, "eglGetProcAddress") != 0) return found;
+  if (!found || !findsFunctions(name)) return found;
   get_proc_address = reinterpret_cast<GetProcAddress>(found);
   return reinterpret_cast<void*>(getProcAddress);
 }

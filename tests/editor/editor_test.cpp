@@ -42,6 +42,13 @@ class EditorTest : public ToolTest {
                 "--backend", tier},
                FURROW_EDITOR);
   }
+  // `environment`: assignments in front of the editor.
+  Outcome playInWindow(const std::string& script, const std::string& environment = "") const {
+    return run({"-c", "exec xvfb-run -a -s '-screen 0 1280x1024x24' env " + environment + " '" +
+                          std::string(FURROW_EDITOR) + "' --script '" + write("script.txt", script).string() +
+                          "' --frames '" + output().string() + "' --size 1024x640 --backend cpu --window"},
+               "/bin/sh");
+  }
   void expectPlays(const std::string& script) const {
     const Outcome outcome = play(script);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -98,18 +105,36 @@ TEST_F(EditorTest, ShowsASqueezedSheetWithItsWrinklesAndWeights) {
   EXPECT_GT(difference(picture("squeezed"), picture("split"), kBlock).worst_block, 3.0 * kBlockTolerance);
 }
 
+bool canOpenWindows() {
+  return std::system("command -v xvfb-run >/dev/null && command -v xauth >/dev/null") == 0;
+}
+
 TEST_F(EditorTest, ARealWindowShowsTheSame) {
-  if (std::system("command -v xvfb-run >/dev/null && command -v xauth >/dev/null") != 0)
-    GTEST_SKIP() << "there is no xvfb-run or xauth to open a window with";
-  const Outcome outcome =
-      run({"-c", "exec xvfb-run -a -s '-screen 0 1280x1024x24' '" + std::string(FURROW_EDITOR) +
-                     "' --script '" + write("script.txt", sheet() + kLooks).string() + "' --frames '" +
-                     output().string() + "' --size 1024x640 --backend cpu --window"},
-          "/bin/sh");
+  if (!canOpenWindows()) GTEST_SKIP() << "there is no xvfb-run or xauth to open a window with";
+  const Outcome outcome = playInWindow(sheet() + kLooks);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   expectStored("squeezed");
   expectStored("split");
 }
+
+#ifdef FURROW_LOSE_CONTEXT
+// A driver that is reset under the first picture, and again under the first after that.
+TEST_F(EditorTest, ALostContextIsReplacedAndTheSessionGoesOn) {
+  if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
+  const std::string script = sheet() + "expect message \"the OpenGL context was lost\"\n" + kLooks;
+  const std::string losing = "FURROW_LOSSES=2 LD_PRELOAD='" FURROW_LOSE_CONTEXT "'";
+  const auto expectTheSession = [&](const Outcome& outcome) {
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    expectStored("squeezed");
+    expectStored("split");
+  };
+  expectTheSession(run({"-c", "exec env " + losing + " '" + FURROW_EDITOR + "' --script '" +
+                                  write("script.txt", script).string() + "' --frames '" + output().string() +
+                                  "' --size 1024x640 --backend cpu"},
+                       "/bin/sh"));
+  if (canOpenWindows()) expectTheSession(playInWindow(script, losing));
+}
+#endif
 
 TEST_F(EditorTest, AStrangerPaintsABiasChangesAResponseSavesCooksAndRenders) {
   const fs::path hero = write("hero.glb", editorSheet());  // no recipe beside it
