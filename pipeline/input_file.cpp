@@ -9,15 +9,13 @@
 
 namespace furrow::pipeline {
 
-std::filesystem::path namedFile(std::string_view name, const std::vector<std::filesystem::path>& folders) {
+std::filesystem::path namedFile(std::string_view name, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  const std::filesystem::path given = folder / name;
+  if (std::filesystem::is_regular_file(given, ignored)) return given;
   std::string portable(name);
   std::replace(portable.begin(), portable.end(), '\\', '/');
-  const std::filesystem::path given(name), path(portable);
-  std::error_code ignored;
-  for (const std::filesystem::path& folder : folders)
-    for (const std::filesystem::path& candidate : {folder / given, folder / path, folder / path.filename()})
-      if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
-  return folders.front() / path;
+  return folder / portable;
 }
 
 std::vector<uint8_t> readBytes(const std::filesystem::path& file) {

@@ -9,9 +9,8 @@
 
 namespace furrow::pipeline {
 
-// The file that a model names, as a tool on any system may have written it: where the name leads from one of
-// the folders, or the file of that name right in one of them. What is nowhere is in the first.
-std::filesystem::path namedFile(std::string_view name, const std::vector<std::filesystem::path>& folders);
+// The file that a model in `folder` names, with slashes of any system.
+std::filesystem::path namedFile(std::string_view name, const std::filesystem::path& folder);
 
 // The whole of a regular file. Throws Error (kBadData: it is not there, or is a folder, a pipe or a device,
 // which might never come to an end; kEnvironment: it cannot be opened or read).

@@ -243,7 +243,7 @@ bool isData(const std::string& uri) {
 std::filesystem::path fileOf(const std::filesystem::path& file, const std::string& uri) {
   const std::string name = decodePercent(uri);
   if (name.empty() || name.find('\0') != std::string::npos) fail("a URI in it names no file");
-  return namedFile(name, {file.parent_path()});
+  return namedFile(name, file.parent_path());
 }
 
 std::vector<uint8_t> decodeDataUri(const std::string& uri) {

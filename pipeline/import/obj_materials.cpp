@@ -52,9 +52,17 @@ std::optional<float> number(std::string_view& text) {
   return value;
 }
 
-std::string_view unquoted(std::string_view name) {
-  const bool quoted = name.size() > 1 && name.front() == '"' && name.back() == '"';
-  return quoted ? name.substr(1, name.size() - 2) : name;
+// The file of that name in one of the folders: where the name leads, or right in them. What is nowhere is in
+// the first.
+std::filesystem::path locate(std::string_view name, const std::vector<std::filesystem::path>& folders) {
+  if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+  std::error_code ignored;
+  for (const std::filesystem::path& folder : folders) {
+    const std::filesystem::path led = namedFile(name, folder);
+    for (const std::filesystem::path& file : {led, folder / led.filename()})
+      if (std::filesystem::is_regular_file(file, ignored)) return file;
+  }
+  return namedFile(name, folders.front());
 }
 
 class MtlReader {
@@ -91,7 +99,7 @@ class MtlReader {
       maps.color = readMap(line);
     } else if (key == "map_d") {
       readOptions(line);
-      opacity_ = namedFile(unquoted(line), folders_);
+      opacity_ = locate(line, folders_);
     } else if (key == "norm" || ((key == "map_bump" || key == "bump") && maps.normal.image == kNoIndex)) {
       maps.normal = readMap(line, &maps.normal_scale);
     }
@@ -139,7 +147,7 @@ class MtlReader {
     if (bump) *bump = strength;
     // Theirs count v from the bottom of the image, ours from the top.
     map.uv = glm::mat3x2(scale[0], 0.0f, 0.0f, scale[1], offset[0], 1.0f - scale[1] - offset[1]);
-    const std::filesystem::path file = namedFile(unquoted(line), folders_);
+    const std::filesystem::path file = locate(line, folders_);
     const auto known = std::ranges::find(out_.images, file, &SourceImage::file);
     map.image = static_cast<uint32_t>(known - out_.images.begin());
     if (known == out_.images.end()) out_.images.push_back({file.filename().string(), file, {}});
@@ -156,8 +164,7 @@ class MtlReader {
 
 ObjMaterials readObjMaterials(const std::filesystem::path& model, const std::vector<std::string>& libraries) {
   ObjMaterials out;
-  const std::vector<std::filesystem::path> folder = {model.parent_path()};
-  const auto inFolder = [&](std::string_view name) { return namedFile(unquoted(name), folder); };
+  const auto inFolder = [&](std::string_view name) { return locate(name, {model.parent_path()}); };
   const auto read = [&](std::string_view name) {
     const std::filesystem::path file = inFolder(name);
     if (std::ranges::find(out.files, file) != out.files.end()) return;
