@@ -188,7 +188,7 @@ void cookSheet(benchmark::State& state, const Recipe& recipe) {
   const auto triangles = static_cast<double>(report.triangles);
   double most = 0.0;
   for (const auto& [stage, bytes] : peaks) {
-    state.counters[stage + ", bytes a triangle"] = bytes / triangles;
+    state.counters[stage + ", peak"] = bytes / triangles;
     most = std::max(most, bytes);
   }
   for (const CookStage& stage : report.stages) state.counters[stage.name] = stage.seconds;
