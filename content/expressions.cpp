@@ -137,6 +137,11 @@ double corner(dvec3 p) {
   return spot(p, {2.5, -7.0}, {1.7, 1.3}) * side(p.x) * front(p);
 }
 
+// Lips that part stay together at the corner.
+double beforeCorner(dvec3 p) {
+  return smoothRamp(head::kMouth, 0.45 * head::kMouth, std::abs(p.x));
+}
+
 dvec3 mouthFrown(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double below = spot(p, {2.6, -8.3}, {1.5, 1.0}) * side(p.x) * front(p);
@@ -145,9 +150,17 @@ dvec3 mouthFrown(const HeadPoint& point) {
 
 dvec3 mouthStretch(const HeadPoint& point) {
   const dvec3 p = point.position;
-  // Platysma draws the skin of the neck up.
-  const double neck = spot(p, {3.0, -11.6}, {3.0, 1.3}) * side(p.x) * smoothRamp(-9.0, -6.0, p.z);
-  return dvec3(0.62, -0.22, -0.45) * corner(p) + dvec3(0.10, -0.35, 0.05) * neck;
+  // Platysma draws the skin of the neck up and stands out of it in cords, to which the skin between them
+  // goes.
+  const double neck = smoothRamp(-10.4, -11.9, p.y + 0.3 * p.z + 0.9) * smoothRamp(-15.2, -14.0, p.y) *
+                      smoothRamp(-9.5, -7.0, p.z);
+  dvec3 cords(0);
+  for (const double cord : {1.6, 3.7}) {
+    const double beside = p.x - cord, near = std::exp(-std::pow(beside / 0.85, 2));
+    cords += dvec3(-0.55 * beside * near, 0, 0) +
+             0.34 * std::exp(-std::pow(beside / 0.45, 2)) * glm::normalize(dvec3(p.x, 0, p.z + 8.3));
+  }
+  return dvec3(0.62, -0.22, -0.45) * corner(p) + (dvec3(0.0, 0.20, 0.0) * side(p.x) + cords) * neck;
 }
 
 // About the middle of the mouth, with the lips parted by `apart`.
@@ -156,7 +169,7 @@ dvec3 purse(const HeadPoint& point, double narrow, double forward, double apart)
   const double up = p.y - head::lipLine(0.0);
   const double about = std::exp(-std::pow(p.x / 3.6, 4) - std::pow(up / 2.4, 2)) * front(p);
   const double lips = std::exp(-std::pow(p.x / 1.9, 2) - std::pow(up / 1.15, 2)) * front(p);
-  const double open = apart * std::exp(-std::pow(p.x / 1.9, 4) - std::pow(up / 1.5, 2)) * front(p);
+  const double open = apart * std::exp(-std::pow(p.x / 2.15, 4) - std::pow(up / 1.6, 2)) * front(p);
   return dvec3(-narrow * p.x * about, -0.10 * up * about + (point.lower_lip ? -open : 0.8 * open),
                forward * lips);
 }
@@ -166,12 +179,13 @@ dvec3 mouthPucker(const HeadPoint& point) {
 }
 
 dvec3 mouthFunnel(const HeadPoint& point) {
-  return purse(point, 0.24, 0.62, 0.42);
+  return purse(point, 0.36, 0.66, 0.72);
 }
 
 dvec3 mouthUpperUp(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double lip = spot(p, {0.9, -6.4}, {1.6, 1.15}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0) * front(p);
+  const double lip = spot(p, {0.9, -6.4}, {1.6, 1.15}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0) *
+                     beforeCorner(p) * front(p);
   const head::Fold fold = head::nasolabialFold(p);
   const double cheek = spot(p, {3.0, -4.6}, {1.2, 1.2}) * side(p.x) * smoothRamp(-0.2, 0.7, fold.distance);
   return dvec3(0.05, 0.46, 0.06) * lip + dvec3(0.0, 0.20, 0.18) * cheek * front(p);
@@ -179,8 +193,9 @@ dvec3 mouthUpperUp(const HeadPoint& point) {
 
 dvec3 mouthLowerDown(const HeadPoint& point) {
   const dvec3 p = point.position;
-  const double lip = spot(p, {0.9, -7.7}, {1.6, 1.1}) * side(p.x) * (point.lower_lip ? 1.0 : 0.0) * front(p);
-  return dvec3(0.04, -0.48, 0.04) * lip;
+  const double lip = spot(p, {0.9, -7.7}, {1.6, 1.1}) * side(p.x) * (point.lower_lip ? 1.0 : 0.0) *
+                     beforeCorner(p) * front(p);
+  return dvec3(0.04, -0.52, 0.04) * lip;
 }
 
 // The pad of the chin is pushed up and lifts both lips.
@@ -204,7 +219,7 @@ dvec3 noseSneer(const HeadPoint& point) {
   const double lip = spot(p, {1.6, -5.7}, {1.1, 1.1}) * side(p.x) * (point.lower_lip ? 0.0 : 1.0);
   const double flank = spot(p, {1.1, -1.9}, {1.0, 1.3}) * side(p.x * 1.6) * smoothRamp(0.6, -0.6, p.y);
   const double front_face = smoothRamp(-1.0, 0.5, p.z);
-  return (dvec3(0.10, 0.50, -0.06) * wing + dvec3(0.05, 0.26, 0.04) * lip + dvec3(0.03, 0.42, 0.06) * flank) *
+  return (dvec3(0.14, 0.60, -0.08) * wing + dvec3(0.05, 0.42, 0.05) * lip + dvec3(0.03, 0.48, 0.08) * flank) *
          front_face;
 }
 
@@ -222,9 +237,9 @@ dvec3 jawOpen(const HeadPoint& point) {
                                           : 0.42 * corner;
   const double fade = smoothRamp(-16.0, -10.8, p.y + 0.45 * std::min(p.z, 0.0)) * smoothRamp(-9.0, -5.0, p.z);
   const dvec3 m(std::abs(p.x), p.y, p.z);
-  const double drawn_in = point.bone ? 0.0 : spot(m, {2.4, -7.1}, {1.5, 1.8}) * front(p);
+  const double drawn_in = point.bone ? 0.0 : spot(m, {2.2, -7.1}, {1.25, 2.2}) * front(p);
   return turnAboutX(p, {0, -2.6, -6.8}, -glm::radians(13.0) * follow * fade) - p -
-         dvec3(0.11 * p.x, 0, 0) * drawn_in;
+         dvec3(0.20 * p.x, 0, 0) * drawn_in;
 }
 
 struct Expression {

@@ -16,7 +16,7 @@ using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
 constexpr double kIrisAngle = 0.455, kPupilAngle = 0.155;
-constexpr uint32_t kSpokes = 56, kRings = 22, kCornea = 14;
+constexpr uint32_t kSpokes = 48, kRings = 22, kCornea = 14;
 
 // The angle from the axis; more rings lie within the cornea.
 double ringAngle(double ring) {

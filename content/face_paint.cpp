@@ -87,7 +87,7 @@ double hairAt(dvec3 p) {
                              {2.5, -7.2},
                              {3.2, -7.6}},
                             turn);
-  const double ragged = 0.35 * valueNoise(p * 2.3) + 0.12 * valueNoise(p * 6.0);
+  const double ragged = 0.35 * valueNoise(p * 1.7);
   return smoothRamp(-0.25, 0.75, p.y - line + ragged);
 }
 
@@ -146,14 +146,17 @@ Painting paintingAt(dvec3 p) {
   double bias =
       0.04 * std::exp(-std::pow((m.y - 4.4 - 0.12 * std::cos(m.x)) / 0.55, 2)) * smoothRamp(4.2, 2.4, m.x);
   bias += 0.03 * under_eye;
-  bias += 0.05 * std::exp(-std::pow(distance / 0.45, 2)) * mouth * smoothRamp(-6.8, -5.6, m.y);
+  bias += 0.12 * std::exp(-std::pow(distance / 0.45, 2)) * mouth * smoothRamp(-6.8, -5.6, m.y);
   result.bias = static_cast<float>(0.5 + bias * in_front);
   return result;
 }
 
 dvec3 skinColor(dvec3 p) {
   constexpr dvec3 kHairColor(0.030, 0.018, 0.012);
-  const double hair = hairAt(p), brow = browAt(p);
+  // Roots show one by one along the hairline.
+  const double thick = hairAt(p), turn = std::atan2(p.x, p.z + 7.0);
+  const double roots = valueNoise({turn * 80, p.y * 1.6, 3}) + 0.7 * valueNoise({turn * 170, p.y * 2.5, 7});
+  const double hair = smoothRamp(0.2, 0.9, thick + 2.6 * roots * thick * (1 - thick)), brow = browAt(p);
   if (hair == 1) return kHairColor;
   const dvec3 m(std::abs(p.x), p.y, p.z);
   dvec3 color(0.60, 0.365, 0.265);

@@ -31,7 +31,7 @@ FacePart withMirrorImage(FacePart part);
 // skin.cpp: the head from the collar to the crown, cut open at the eyes and the mouth, with the insides of
 // the lids and a pocket behind the lips.
 FacePart faceSkin();
-FacePart teeth();
+FacePart teeth();  // teeth.cpp: with gums and tongue
 // ears.cpp: `earDistance` of the left ear alone, a signed distance.
 FacePart ears();
 double earDistance(glm::dvec3 p);

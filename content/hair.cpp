@@ -76,7 +76,7 @@ FacePart brows() {
                                  0.02 + 0.07 * std::sin(kPi * s)));
     }
     addRibbon(part, spine, 0.046, {root},
-              glm::mix(dvec3(0.020, 0.012, 0.008), dvec3(0.055, 0.034, 0.022), shade), 0.3, kBrows);
+              glm::mix(dvec3(0.028, 0.017, 0.011), dvec3(0.085, 0.052, 0.033), shade), 0.3, kBrows);
   }
   return withMirrorImage(std::move(part));
 }

@@ -8,7 +8,7 @@
 
 // furrow_content OUTDIR: writes the demo models and the recipes that cook them.
 int main(int argc, char** argv) {
-  if (argc != 2) {
+  if (argc != 2 || argv[1][0] == '-') {
     std::fprintf(stderr, "usage: furrow_content OUTDIR\n");
     return 2;
   }

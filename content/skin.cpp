@@ -332,40 +332,6 @@ FacePart mirrored(const FacePart& half) {
   return whole;
 }
 
-// A row of teeth, `lower` or upper: a band along the dental arch.
-void addTeeth(FacePart& skin, bool lower) {
-  constexpr uint32_t kAcross = 60, kDown = 4;
-  SurfaceMesh& mesh = skin.mesh;
-  const uint32_t first = static_cast<uint32_t>(mesh.vertices.size());
-  for (uint32_t j = 0; j <= kDown; ++j) {
-    for (uint32_t i = 0; i <= kAcross; ++i) {
-      const double u = 2.0 * i / kAcross - 1, v = static_cast<double>(j) / kDown;
-      const double tooth =
-          std::abs(std::sin(0.5 * kPi * (u * 5.0)));  // gaps at the middle and every fifth of a side
-      const double x = 2.0 * std::sin(1.25 * u), arch = 2.3 - 1.3 * (1 - std::cos(1.25 * u));
-      const double edge = lower ? -7.02 : -7.26 + 0.06 * (1 - tooth), root = lower ? -7.75 : -6.45;
-      const double bulge = 0.10 * std::pow(tooth, 0.35) + 0.06 * std::sin(kPi * v) - (lower ? 0.22 : 0.0);
-      const dvec3 p(x, glm::mix(edge, root, v), arch + bulge);
-      // Brightest in front and in the middle of a tooth, dark in the gaps and where the cheeks shade them.
-      const double bright =
-          (0.45 + 0.55 * std::pow(tooth, 0.5)) * smoothRamp(1.05, 0.25, std::abs(u)) * glm::mix(1.0, 0.75, v);
-      skin.colors.push_back(dvec3(1.0, 0.95, 0.86) * glm::mix(0.25, 1.0, bright));
-      mesh.addVertex(skin.addPoint(p, lower, lower),
-                     {0.02 + 0.96 * (u + 1) / 2, (lower ? 0.088 : 0.072) + 0.012 * v});
-    }
-  }
-  for (uint32_t j = 0; j < kDown; ++j) {
-    for (uint32_t i = 0; i < kAcross; ++i) {
-      const uint32_t a = first + j * (kAcross + 1) + i, b = a + kAcross + 1;
-      if (lower)
-        mesh.addQuad(a, b, b + 1, a + 1);
-      else
-        mesh.addQuad(a, a + 1, b + 1, b);
-    }
-  }
-  skin.materials.resize(mesh.triangles.size(), kTeeth);
-}
-
 }  // namespace
 
 uint32_t FacePart::addPoint(dvec3 position, bool lower_lip, bool lower_lid) {
@@ -402,14 +368,6 @@ FacePart faceSkin() {
   for (size_t p = 0; p < normals.size(); ++p)
     skin.colors.push_back(skinOcclusion(skin.mesh.points[p], normals[p]));
   return skin;
-}
-
-FacePart teeth() {
-  FacePart part;
-  addTeeth(part, false);
-  addTeeth(part, true);
-  for (HeadPoint& point : part.points) point.bone = true;
-  return part;
 }
 
 }  // namespace furrow::content

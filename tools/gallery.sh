@@ -70,10 +70,13 @@ details() {
   picture "bunny lines$2" --shading "$1" --morph noseSneerLeft=1 --morph noseSneerRight=1
   camera=(--yaw 32 --zoom 3.8 --target 0.02 -0.055 0.01)
   picture "nasolabial fold$2" --shading "$1" --morph mouthSmileLeft=1 --morph mouthSmileRight=1
+  picture "jaw open, too$2" --shading "$1" --morph mouthSmileLeft=0.6 --morph mouthSmileRight=0.6 --morph jawOpen=1
+  camera=(--yaw 12 --pitch -15 --zoom 3.6 --target 0 -0.115 0)
+  picture "cords of the neck$2" --shading "$1" --morph mouthStretchLeft=1 --morph mouthStretchRight=1
 }
 details none ", without"
 details interpolated ""
-sheet gallery_details 5 "Layers of the demo face, without and with wrinkles"
+sheet gallery_details 7 "Layers of the demo face, without and with wrinkles"
 
 model=jacket
 motions() {

@@ -99,7 +99,7 @@ gpu::Scene sceneOf(const RenderOptions& options, float exposure) {
   // The key grazes from the upper left, so that a crease in any direction but its own has a lit and a shaded
   // side.
   scene.lights[0] = light(-0.68f, 0.62f, 0.42f, 2.15f);
-  scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.38f);
+  scene.lights[1] = light(0.85f, 0.0f, 0.65f, 0.48f);
   scene.lights[2] = light(0.6f, 0.35f, -0.75f, 0.85f);
   scene.up = glm::vec4(frame.up, exposure);
 

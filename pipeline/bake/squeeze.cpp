@@ -11,12 +11,14 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr double kNoise = 0.01;  // a squeeze below one percent is not one
+constexpr double kSeen = 0.05;   // from which one by a morph target counts as its work
 
 class Meter {
  public:
   Meter(const Surface& surface, Squeeze& squeeze) : squeeze_(squeeze), rest_(surface.triangles.size()) {
     squeeze.tensor.assign(surface.triangles.size(), glm::vec3(0.0f));
     squeeze.peak.assign(surface.triangles.size(), 0.0f);
+    squeeze.by_morph.assign(surface.triangles.size(), 0);
     for (size_t t = 0; t < rest_.size(); ++t) {
       const glm::uvec3 corners = surface.triangles[t];
       const TriangleFrame frame = triangleFrame(surface.positions[corners.x], surface.positions[corners.y],
@@ -27,10 +29,9 @@ class Meter {
     }
   }
 
-  void measure(size_t t, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double& total) {
+  void measure(size_t t, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, bool by_morph) {
     const Rest rest = rest_[t];
     if (rest.e1x == 0.0f) return;
-    const double area = double{rest.e1x} * double{rest.e2y};
     const glm::dvec3 f1 = (b - a) / double{rest.e1x};
     const glm::dvec3 f2 = ((c - a) - f1 * double{rest.e2x}) / double{rest.e2y};
     const double xx = glm::dot(f1, f1), xy = glm::dot(f1, f2), yy = glm::dot(f2, f2);
@@ -46,7 +47,8 @@ class Meter {
     squeeze_.tensor[t] +=
         glm::vec3(weight * 0.5 * (1.0 + cos2), weight * 0.5 * sin2, weight * 0.5 * (1.0 - cos2));
     squeeze_.peak[t] = std::max(squeeze_.peak[t], static_cast<float>(s));
-    total += s * area;
+    squeeze_.any = true;
+    if (by_morph && s > kSeen) squeeze_.by_morph[t] = 1;
   }
 
  private:
@@ -79,8 +81,7 @@ Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
     for (size_t t = 0; t < surface.triangles.size(); ++t) {
       const glm::uvec3 c = surface.triangles[t];
       if (pose.moved[c.x] | pose.moved[c.y] | pose.moved[c.z])
-        meter.measure(t, pose.positions[c.x], pose.positions[c.y], pose.positions[c.z],
-                      pose.by_morph ? squeeze.by_morphs : squeeze.by_clips);
+        meter.measure(t, pose.positions[c.x], pose.positions[c.y], pose.positions[c.z], pose.by_morph);
     }
   });
   return squeeze;

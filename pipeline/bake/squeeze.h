@@ -3,6 +3,7 @@
 // How the animation squeezes the surface: the compressive part of each triangle's strain over the poses of
 // bake/poses.h.
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -15,9 +16,9 @@ struct Squeeze {
   // Per triangle, the sum over poses of s^2 v v^T, with s = 1 - (smallest stretch) > 0 and v its direction at
   // rest, as a symmetric tensor xx xy yy in the triangle's frame (x along its first edge).
   std::vector<glm::vec3> tensor;
-  std::vector<float> peak;                 // per triangle, largest s, [0, 1]
-  double by_morphs = 0.0, by_clips = 0.0;  // area-weighted sums of s, to tell faces from clothing
-  bool any() const { return by_morphs + by_clips > 0.0; }
+  std::vector<float> peak;        // per triangle, largest s, [0, 1]
+  std::vector<uint8_t> by_morph;  // per triangle, whether a morph target squeezes it: a face, not clothing
+  bool any = false;               // whether anything is squeezed
 };
 
 // `scene` holds the positions that `surface` was made from; `source_vertex` maps surface vertices to source

@@ -60,7 +60,7 @@ Ground makeGround(SourceScene scene, const Recipe& recipe, GeometryCodec codec,
   stage("measuring the animation");
   if (needsSqueeze(recipe)) {
     ground.squeeze = measureSqueeze(ground.scene, ground.packed.surface, ground.packed.source_vertex);
-    if (!ground.squeeze.any())
+    if (!ground.squeeze.any)
       ground.warnings.push_back(
           "no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and "
           "drivers");

@@ -243,7 +243,7 @@ class LayerBake {
       for (const glm::vec4& value : values)
         channel.push_back(std::clamp(value[static_cast<int>(named->channel)], 0.0f, 1.0f));
       strength = pointMean(channel);
-    } else if (std::holds_alternative<MaskNone>(recipe_.mask) || !in_.squeeze.any()) {
+    } else if (std::holds_alternative<MaskNone>(recipe_.mask) || !in_.squeeze.any) {
       strength.assign(points(), 1.0f);
     } else {
       strength = squeezeMask();

@@ -441,23 +441,43 @@ class MapBake {
   std::vector<std::vector<bool>> taken_;  // a set: texels of kOverlapSize x kOverlapSize its charts cover
 };
 
-// Diagonal of what the layer reaches; 0: nothing.
-double reachOf(const Surface& surface, const BakedLayer& layer) {
-  glm::vec3 lowest(INFINITY), highest(-INFINITY);
-  for (size_t p = 0; p < layer.field.strength.size(); ++p) {
-    if (layer.field.strength[p] < 0.1f) continue;
-    lowest = glm::min(lowest, surface.point_positions[p]);
-    highest = glm::max(highest, surface.point_positions[p]);
+struct Box {
+  glm::vec3 lowest{INFINITY}, highest{-INFINITY};
+
+  void add(const glm::vec3& p) {
+    lowest = glm::min(lowest, p);
+    highest = glm::max(highest, p);
   }
-  return lowest.x <= highest.x ? double{glm::length(highest - lowest)} : 0.0;
+  double diagonal() const { return lowest.x <= highest.x ? double{glm::length(highest - lowest)} : 0.0; }
+};
+
+// What the layer reaches, and what of that morph targets squeeze.
+struct Reach {
+  Box all, face;
+};
+
+Reach reachOf(const LayerInput& input, const BakedLayer& layer) {
+  Reach reach;
+  for (size_t t = 0; t < input.surface.triangles.size(); ++t) {
+    const glm::uvec3 corners = input.surface.trianglePoints(t);
+    for (const uint32_t p : {corners.x, corners.y, corners.z}) {
+      if (layer.field.strength[p] < 0.1f) continue;
+      reach.all.add(input.surface.point_positions[p]);
+      if (input.squeeze.by_morph[t]) reach.face.add(input.surface.point_positions[p]);
+    }
+  }
+  return reach;
 }
 
 }  // namespace
 
 void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe) {
-  const double spacing = legible(reachOf(input.surface, layer) / kSpacingsAcross);
+  // Where there is a face its lines set the measure: those of a whole body would be as wide as its mouth.
+  const Reach reach = reachOf(input, layer);
+  const bool face = reach.face.diagonal() > 0.0;
+  const double spacing = legible((face ? reach.face : reach.all).diagonal() / kSpacingsAcross);
   if (!(spacing > 0.0)) return;
-  const Preset preset = input.squeeze.by_morphs > 0.0 ? Preset::kSkin : Preset::kCloth;
+  const Preset preset = face ? Preset::kSkin : Preset::kCloth;
   for (Map* map : {&recipe.compress, &recipe.stretch}) {
     if (auto* height = std::get_if<MapHeight>(map); height && height->depth == 0.0)
       height->depth = legible(spacing * defaultsOf(preset).depth);

@@ -52,6 +52,7 @@ struct Sheet {
     part.has_uvs = true;
     surface.parts = {part};
     squeeze.peak.assign(surface.triangles.size(), 0.0f);
+    squeeze.by_morph.assign(surface.triangles.size(), 0);
   }
 
   // A synthesised layer that reaches the points where `reaches(x, y)`.
@@ -199,7 +200,7 @@ TEST(MapBake, WrinklesAreDeepestWhereTheClipsSqueezeMost) {
   sheet.add(kEverywhere, 0.05);
   for (size_t t = 0; t < sheet.surface.triangles.size(); ++t)
     sheet.squeeze.peak[t] = sheet.surface.positions[sheet.surface.triangles[t].x].x < 0.5f ? 0.4f : 0.04f;
-  sheet.squeeze.by_clips = 1.0;
+  sheet.squeeze.any = true;
   const BakedTextureSet set = sheet.bake();
   const Image normals = decode(set.normals, 0, 0);
   double left = 0.0, right = 0.0;
@@ -208,6 +209,27 @@ TEST(MapBake, WrinklesAreDeepestWhereTheClipsSqueezeMost) {
       (x < normals.width / 2 ? left : right) += std::abs(normals.at(x, y)[0] - 0.5f);
   EXPECT_GT(left, 3.0 * right);
   EXPECT_GT(right, 0.2 * left);
+}
+
+// A body that clips squeeze, with a face: lines of the face's size on both. Without it, folds of the body's.
+TEST(MapBake, AFaceSetsTheSpacing) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.0);
+  auto& map = std::get<MapSynthesized>(sheet.recipe.layers[0].compress);
+  map = {};
+  const LayerInput input{sheet.scene, sheet.surface, sheet.source_vertex, sheet.squeeze, sheet.masks,
+                         {},          "recipe.json"};
+  LayerRecipe body = sheet.recipe.layers[0], whole = body;
+  resolveMaps(input, sheet.layers[0], body);
+  EXPECT_EQ(std::get<MapSynthesized>(body.compress).preset, Preset::kCloth);
+  EXPECT_NEAR(std::get<MapSynthesized>(body.compress).spacing, std::sqrt(2.0) / 36.0, 1e-3);
+  for (size_t t = 0; t < sheet.surface.triangles.size(); ++t) {
+    const glm::vec3 p = sheet.surface.positions[sheet.surface.triangles[t].x];
+    sheet.squeeze.by_morph[t] = p.x < 0.1f && p.y > 0.9f;
+  }
+  resolveMaps(input, sheet.layers[0], whole);
+  EXPECT_EQ(std::get<MapSynthesized>(whole.compress).preset, Preset::kSkin);
+  EXPECT_LT(std::get<MapSynthesized>(whole.compress).spacing, 0.25 * std::sqrt(2.0) / 36.0);
 }
 
 TEST(MapBake, PaintedMasksArriveToTheBitAtTheirSize) {
