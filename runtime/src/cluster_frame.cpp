@@ -162,6 +162,14 @@ struct Rings<1> {
 
 #if HWY_MAX_BYTES >= 32
 
+// Lane i from lane from(i).
+template <typename From>
+HWY_INLINE Lanes permuted(Lanes a, From from) {
+  alignas(64) int32_t lanes[kWidth];
+  for (uint32_t i = 0; i < kWidth; ++i) lanes[i] = static_cast<int32_t>(from(i));
+  return hn::TableLookupLanes(a, hn::SetTableIndices(D(), lanes));
+}
+
 // A point is a block: kBlocks points a vector.
 template <>
 struct Rings<4> {
@@ -194,14 +202,38 @@ struct Rings<4> {
 #endif
     }
   }
+};
 
- private:
-  // Lane i from lane from(i).
-  template <typename From>
-  HWY_INLINE static Lanes permuted(Lanes a, From from) {
-    alignas(64) int32_t lanes[kWidth];
-    for (uint32_t i = 0; i < kWidth; ++i) lanes[i] = static_cast<int32_t>(from(i));
-    return hn::TableLookupLanes(a, hn::SetTableIndices(D(), lanes));
+#endif
+#if HWY_MAX_BYTES >= 64
+
+// Points i and i + 4 in vector i, their layers side by side.
+template <>
+struct Rings<8> {
+  Lanes sum[4];
+
+  HWY_INLINE Rings() {
+    for (Lanes& s : sum) s = all(0.0f);
+  }
+  HWY_INLINE void addStep(const float* triangle_q, const uint16_t* entry) {
+    const Lanes weights = hn::ZeroExtendVector(D(), ringWeights(entry + kRingLanes));
+    for (uint32_t i = 0; i < 4; ++i) {
+      const __m512 first = _mm512_castps256_ps512(_mm256_loadu_ps(triangle_q + 8 * size_t{entry[i]}));
+      const Lanes q{
+          _mm512_mask_broadcast_f32x8(first, 0xff00, _mm256_loadu_ps(triangle_q + 8 * size_t{entry[i + 4]}))};
+      sum[i] = sum[i] + permuted(weights, [i](uint32_t lane) { return i + lane / 8 * 4; }) * q;
+    }
+  }
+  HWY_INLINE void store(float* out, size_t step) {
+    transpose(sum[0], sum[1], sum[2], sum[3]);
+    const hn::Half<D> half;
+    for (uint32_t l = 0; l < 4; ++l, out += step) {
+      const auto low = hn::LowerHalf(half, sum[l]), high = hn::UpperHalf(half, sum[l]);
+      hn::StoreU(hn::LowerHalf(D4(), low), D4(), out);
+      hn::StoreU(hn::UpperHalf(D4(), low), D4(), out + 4 * step);
+      hn::StoreU(hn::LowerHalf(D4(), high), D4(), out + 4);
+      hn::StoreU(hn::UpperHalf(D4(), high), D4(), out + 4 * step + 4);
+    }
   }
 };
 
