@@ -457,13 +457,14 @@ struct Reach {
 };
 
 Reach reachOf(const LayerInput& input, const BakedLayer& layer) {
+  const std::vector<uint8_t>& by_morph = input.squeeze.by_morph;  // empty if no layer asks for the squeeze
   Reach reach;
   for (size_t t = 0; t < input.surface.triangles.size(); ++t) {
     const glm::uvec3 corners = input.surface.trianglePoints(t);
     for (const uint32_t p : {corners.x, corners.y, corners.z}) {
       if (layer.field.strength[p] < 0.1f) continue;
       reach.all.add(input.surface.point_positions[p]);
-      if (input.squeeze.by_morph[t]) reach.face.add(input.surface.point_positions[p]);
+      if (!by_morph.empty() && by_morph[t]) reach.face.add(input.surface.point_positions[p]);
     }
   }
   return reach;
