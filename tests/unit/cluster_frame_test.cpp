@@ -89,9 +89,11 @@ TEST(ClusterFrame, SameBitsAsTheStagedFrame) {
                        layerOf("d", Measure::kNone, {1, 0, 0}),
                        layerOf("e", Measure::kDirectional, {0, 0, 1})}));
   const AssetView& view = asset.view();
-  Clusters clusters;
+  Clusters clusters, large;
   ASSERT_TRUE(clusters.build(view).ok());
-  EXPECT_GT(clusters.count(), 3u);
+  ASSERT_TRUE(large.build(view, {.points = kClusterPoints}).ok());
+  EXPECT_GT(clusters.count(), large.count());
+  EXPECT_GT(large.count(), 1u);
   Affine pose;
   pose.m[0] = 0.8f, pose.m[1] = 0.6f, pose.m[4] = -0.6f, pose.m[5] = 0.8f, pose.m[3] = 3.5f;
   for (float weight : {0.0f, 0.37f, 1.0f}) {
@@ -102,6 +104,8 @@ TEST(ClusterFrame, SameBitsAsTheStagedFrame) {
           << simdName(simd);
       ASSERT_EQ(positions.size(), staged.positions.size());
       EXPECT_EQ(std::memcmp(positions.data(), staged.positions.data(), positions.size() * sizeof(Float3)), 0)
+          << simdName(simd);
+      EXPECT_EQ(clusteredWeights(large, simd, pose, weight, nullptr, 1, 1.25f), staged.weights)
           << simdName(simd);
     }
     EXPECT_EQ(clusteredWeights(clusters, bestSimd(), pose, weight, nullptr, 3, 1.25f), staged.weights);
@@ -430,7 +434,7 @@ TEST(ClusterFrame, EveryPointIsOwnedOnceAndRingsAreWhole) {
   std::multiset<uint32_t> owned;
   uint32_t triangles = 0, slots = 0;
   for (const Cluster& c : clusters.clusters) {
-    EXPECT_LE(c.points, kClusterPoints);
+    EXPECT_LE(c.points, kFineClusterPoints);  // so small a sheet is cut fine, for threads
     for (uint32_t s = 0; s < c.vertices; ++s) owned.insert(clusters.words[c.slot_vertex + s]);
     triangles += c.triangles;
     slots += c.slots;
