@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "direction_codec.h"
 #include "pipeline/bake/nearest.h"
 #include "pipeline/bake/rest_view.h"
 
@@ -58,15 +59,11 @@ void addGuides(const Surface& surface, const NearestTriangle& nearest,
 
 }  // namespace
 
-DirectionField directionsFromAxis(const Surface& surface, glm::dvec3 axis) {
-  axis = glm::normalize(axis);
+DirectionField directionsFromAxis(const Surface& surface, glm::vec3 axis) {
   DirectionField field;
-  for (const glm::dvec3 n : surface.point_normals) {
-    const glm::dvec3 d = axis - glm::dot(axis, n) * n;
-    const double length = glm::length(d);
-    field.direction.push_back(length > 1e-6 ? glm::vec3(d / length) : glm::vec3(0.0f));
-    field.confidence.push_back(static_cast<float>(std::min(1.0, length)));
-  }
+  std::vector<Float3> directions;
+  projectAxis(asFloat3(surface.point_normals), {axis.x, axis.y, axis.z}, directions, field.confidence);
+  for (const Float3& d : directions) field.direction.push_back({d.x, d.y, d.z});
   return field;
 }
 

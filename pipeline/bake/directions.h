@@ -12,7 +12,7 @@ namespace furrow::pipeline {
 
 // `axis`, of any length but 0, projected into every point's tangent plane; confidence is the length of what is
 // left.
-DirectionField directionsFromAxis(const Surface& surface, glm::dvec3 axis);
+DirectionField directionsFromAxis(const Surface& surface, glm::vec3 axis);
 
 // What speaks for a direction in a triangle: the mean over it of w v v^T for lines v in its plane with
 // weights w, as xx xy yy in triangleFrame(). The weights' scale does not matter, triangles with much outvote

@@ -221,7 +221,8 @@ BuiltPlaceHash buildPlaceHash(std::span<const glm::vec3> places) {
       if (!values.empty())
         std::memcpy(built.section.data() + offset, values.data(), values.size() * sizeof(values[0]));
     };
-    std::vector<uint32_t> spill = findSpill(search, count, header.slot_count), checks(count);
+    std::vector<uint32_t> spill = findSpill(search, count, header.slot_count);
+    std::vector<uint16_t> checks(count);
     built.slots.resize(count);
     for (uint32_t i = 0; i < count; ++i) {
       uint32_t slot =

@@ -147,8 +147,9 @@ class LayerBake {
 
   using Files = std::vector<std::filesystem::path>;
 
-  DirectionField directions(const DirectionAxis& source, Files&) const {
-    return directionsFromAxis(in_.surface, {source.axis[0], source.axis[1], source.axis[2]});
+  DirectionField directions(const DirectionAxis& source, Files&) {
+    out_.axis = glm::normalize(glm::dvec3(source.axis[0], source.axis[1], source.axis[2]));
+    return directionsFromAxis(in_.surface, *out_.axis);
   }
 
   DirectionField directions(const DirectionAnimation&, Files&) const {

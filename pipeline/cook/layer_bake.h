@@ -18,6 +18,7 @@ struct BakedLayer {
   LayerField field;                   // direction, confidence and mask, a point
   std::vector<bool> covered;          // a triangle
   std::vector<uint32_t> parts;        // of the surface, that it covers
+  std::optional<glm::vec3> axis;      // unit: the direction is this one, projected
   std::vector<std::byte> directions;  // as the asset holds them; empty for a layer without measure
   std::vector<float> coefficients;    // as the loader works them out
   std::vector<float> bias;            // a point; empty: none

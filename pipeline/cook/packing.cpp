@@ -22,8 +22,10 @@ class Packer {
       : scene_(scene), weld_(weld), recipe_(recipe), rest_(rest), codec_(codec) {}
 
   Packing pack(const std::vector<glm::vec3>& before) {
+    const bool bind = std::holds_alternative<RestBind>(recipe_.rest);
+    const std::vector<glm::vec3> elsewhere = bind ? std::vector<glm::vec3>() : sourcePositions(scene_);
     packParts();
-    makeSurface(before);
+    makeSurface(before, bind ? before : elsewhere);
     return std::move(out_);
   }
 
@@ -171,10 +173,12 @@ class Packer {
     packed_vertices_ += source.size();
   }
 
-  void makeSurface(const std::vector<glm::vec3>& source_rest) {
+  // `source_rest` and `source_bind`: where the source's vertices are at rest and in the bind pose.
+  void makeSurface(const std::vector<glm::vec3>& source_rest, const std::vector<glm::vec3>& source_bind) {
     // At rest in the bind pose, what the loader makes of the part's matrix as it is stored.
     const bool bind = std::holds_alternative<RestBind>(recipe_.rest);
     const std::vector<glm::vec3> rest = bind ? std::vector<glm::vec3>() : rest_.positions(scene_);
+    std::vector<glm::vec3> elsewhere;  // the bind pose's positions, if the surface has others
 
     std::vector<uint32_t> source_point;
     for (uint32_t i = 0; i < scene_.parts.size(); ++i) {
@@ -202,7 +206,9 @@ class Packer {
         out_.source_vertex.push_back(source);
         source_point.push_back(weld_.vertex_point[source]);
         const Float3 p = transformed(to_root, geometry.positions[v]);
-        out_.surface.positions.push_back(bind ? glm::vec3(p.x, p.y, p.z) : rest[source]);
+        const glm::vec3 placed(p.x, p.y, p.z);
+        if (!bind) elsewhere.push_back(placed);
+        out_.surface.positions.push_back(bind ? placed : rest[source]);
         out_.position_error = std::max(
             out_.position_error, double{glm::distance(out_.surface.positions.back(), source_rest[source])});
         out_.surface.normals.push_back(normal);
@@ -219,6 +225,7 @@ class Packer {
     }
     release(geometry_);
     numberPoints(source_point);
+    measurePlaces(source_bind, bind ? out_.surface.positions : elsewhere);
     release(weld_.vertex_point, weld_.vertex_place);
     pointGeometry();
   }
@@ -253,6 +260,21 @@ class Packer {
       out_.place_points.push_back({first_point[place], first_of_place[place + 1] - first_of_place[place]});
   }
 
+  void measurePlaces(const std::vector<glm::vec3>& source, const std::vector<glm::vec3>& placed) {
+    std::vector<uint32_t> point_vertex(weld_.points, kNoIndex), place_vertex(weld_.places);
+    for (uint32_t v = 0; v < placed.size(); ++v) {
+      uint32_t& vertex = point_vertex[out_.surface.vertex_point[v]];
+      vertex = std::min(vertex, v);
+    }
+    for (size_t slot = 0; slot < out_.place_points.size(); ++slot)
+      place_vertex[weld_.slot_place[slot]] = point_vertex[out_.place_points[slot].first];
+    double error = 0.0;
+    for (const uint32_t v : out_.source_vertex)
+      error = std::max(error, glm::distance(glm::dvec3(source[v]),
+                                            glm::dvec3(placed[place_vertex[weld_.vertex_place[v]]])));
+    out_.place_error = std::nextafter(static_cast<float>(error), INFINITY);
+  }
+
   void pointGeometry() {
     out_.surface.point_positions.assign(weld_.points, glm::vec3(0.0f));
     std::vector<bool> seen(weld_.points);
@@ -279,6 +301,7 @@ class Packer {
 }  // namespace
 
 std::vector<glm::vec3> RestPose::positions(const SourceScene& scene) const {
+  if (std::holds_alternative<RestBind>(rest)) return sourcePositions(scene);
   std::vector<glm::vec3> out;
   for (const glm::dvec3& p : restPositions(scene, rest))
     out.push_back(glm::vec3(offsets.empty() ? p : p + offsets[out.size()]));

@@ -24,6 +24,7 @@ struct Packing {
   std::vector<std::pair<uint32_t, uint32_t>> place_points;  // a slot of the hash: first point, count
   uint32_t influences = 1;                                  // of a vertex, at most
   double position_error = 0.0;                              // largest, in root space at rest
+  float place_error = 0.0f;                                 // AssetView::place_error
   std::vector<std::string> warnings;
 };
 

@@ -40,9 +40,9 @@ class Writer {
     for (const PackedPart& part : in_.parts) parts.push_back(writePart(b_, part));
     std::vector<Offset<format::PaletteEntry>> palette;
     for (const PaletteEntry& entry : in_.scene.rig.palette)
-      palette.push_back(format::CreatePaletteEntry(b_, b_.CreateString(in_.scene.rig.nodes[entry.node].name),
-                                                   entry.node,
-                                                   b_.CreateVector(affineRows(entry.inverse_bind))));
+      palette.push_back(
+          format::CreatePaletteEntry(b_, b_.CreateSharedString(in_.scene.rig.nodes[entry.node].name),
+                                     entry.node, b_.CreateVector(affineRows(entry.inverse_bind))));
     std::vector<Offset<format::Morph>> morphs = writeMorphs();
     std::vector<Offset<format::Layer>> layers;
     for (size_t l = 0; l < in_.layers.size(); ++l) layers.push_back(writeLayer(l));
@@ -66,7 +66,7 @@ class Writer {
         b_.CreateVector(palette), b_.CreateVector(morphs), b_.CreateVector(layers), b_.CreateVector(sets),
         static_cast<uint32_t>(in_.surface.point_positions.size()), vertex_point, rest,
         bytesVector(b_, in_.weld.hash), place_points, bytesVector(b_, writeRig(in_.scene.rig)),
-        static_cast<float>(morph_error_), colors, base_maps);
+        static_cast<float>(morph_error_), colors, base_maps, in_.place_error);
     format::FinishAssetBuffer(b_, asset);
 
     AssetHeader header = {};
@@ -118,7 +118,9 @@ class Writer {
                            : b_.CreateVector(layer.parts);
     const auto bias_stream = streamOf(padded(bias), 4);
     const auto mask_stream = full ? Offset<format::Stream>() : streamOf(padded(mask), 4);
-    const auto direction_stream = streamOf(layer.directions, 4);
+    const bool by_axis = layer.axis && !layer.directions.empty();
+    const auto axis = by_axis ? b_.CreateVector(glm::value_ptr(*layer.axis), 3) : 0;
+    const auto direction_stream = by_axis ? 0 : streamOf(layer.directions, 4);
     std::vector<Offset<format::Driver>> drivers;
     for (const DriverRecipe& driver : recipe.drivers)
       for (size_t m = 0; m < in_.scene.rig.morphs.size(); ++m)
@@ -133,11 +135,11 @@ class Writer {
               format::CreateDriver(b_, static_cast<uint32_t>(m), static_cast<float>(driver.gain), points));
           break;  // one mesh's target drives; its namesakes on other meshes move with it
         }
-    return format::CreateLayer(b_, b_.CreateString(recipe.name), static_cast<uint8_t>(recipe.measure),
-                               static_cast<uint8_t>(recipe.response.curve), recipe.response.lambda,
-                               recipe.response.beta, recipe.response.stretch_lambda,
-                               recipe.response.stretch_beta, parts, bias_stream, mask_stream,
-                               direction_stream, static_cast<uint32_t>(index), b_.CreateVector(drivers));
+    return format::CreateLayer(
+        b_, b_.CreateString(recipe.name), static_cast<uint8_t>(recipe.measure),
+        static_cast<uint8_t>(recipe.response.curve), recipe.response.lambda, recipe.response.beta,
+        recipe.response.stretch_lambda, recipe.response.stretch_beta, parts, bias_stream, mask_stream,
+        direction_stream, static_cast<uint32_t>(index), b_.CreateVector(drivers), axis);
   }
 
   template <typename T>

@@ -29,6 +29,7 @@ struct PackInput {
       place_points;  // a slot of the hash: first point, how many
   uint32_t influences = 1;
   double position_error = 0.0;
+  float place_error = 0.0f;
 };
 
 std::vector<std::byte> writeAsset(const PackInput& input);

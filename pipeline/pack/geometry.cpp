@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "pipeline/pack/entropy_encoder.h"
 #include "rest_surface.h"
 
 namespace furrow::pipeline {
@@ -21,6 +22,8 @@ constexpr uint32_t kNormalBits = 10;
 constexpr uint32_t kTangentBits = 11;
 constexpr uint32_t kLeastPositionBits = 16, kPositionBits = 24;  // a float holds 24
 constexpr int kDracoSpeed = 4;
+// Of a stream's bytes: the entropy coder takes up to three times as long to load.
+constexpr size_t kWorthIt = 20;
 
 // Integers of at most `bits` bits on the lattice of `step`; 0: as fine as they allow. A step that is given is
 // a power of two, and the offset a multiple of it.
@@ -87,8 +90,21 @@ void packSkin(const Primitive& primitive, PackedPart& part) {
   part.attributes.push_back(std::move(weights));
 }
 
-// Takes the attributes' values along.
+// Whether each vertex has a triangle with three different corners: Edgebreaker loses the others.
+std::vector<bool> inTriangles(uint32_t vertices, const std::vector<uint32_t>& indices) {
+  std::vector<bool> found(vertices);
+  for (size_t i = 0; i < indices.size(); i += 3) {
+    const uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
+    if (a != b && b != c && c != a) found[a] = found[b] = found[c] = true;
+  }
+  return found;
+}
+
+// Leaves the attributes the values of the vertices that Draco has not got.
 bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int method) {
+  const std::vector<bool> kept = method == draco::MESH_EDGEBREAKER_ENCODING
+                                     ? inTriangles(part.vertices, indices)
+                                     : std::vector<bool>(part.vertices, true);
   draco::Mesh mesh;
   mesh.set_num_points(part.vertices);
   for (PackedAttribute& source : part.attributes) {
@@ -102,6 +118,8 @@ bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int met
     draco::PointAttribute* attribute = mesh.attribute(id);
     const std::vector<uint32_t> values = std::exchange(source.values, {});
     attribute->buffer()->Write(0, values.data(), 4 * values.size());
+    for (size_t i = 0; i < values.size(); ++i)
+      if (!kept[i / source.components]) source.values.push_back(values[i]);
     attribute->set_unique_id(static_cast<uint32_t>(source.semantic));
   }
   for (size_t i = 0; i < indices.size(); i += 3)
@@ -114,8 +132,7 @@ bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int met
   encoder.SetEncodingMethod(method);
   encoder.SetTrackEncodedProperties(true);
   draco::EncoderBuffer buffer;
-  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok() || encoder.num_encoded_points() != part.vertices)
-    return false;
+  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok()) return false;
   part.triangles = static_cast<uint32_t>(encoder.num_encoded_faces());
   part.draco.assign(buffer.data(), buffer.data() + buffer.size());
   return true;
@@ -187,8 +204,9 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
     attributes.push_back(format::CreateAttribute(
         builder, attribute.semantic, static_cast<uint8_t>(attribute.components),
         static_cast<uint8_t>(attribute.bits), builder.CreateVector(attribute.offset), attribute.step,
-        raw ? writeStream(builder, attribute.values.data(), 4, attribute.values.size())
-            : flatbuffers::Offset<format::Stream>()));
+        attribute.values.empty()
+            ? flatbuffers::Offset<format::Stream>()
+            : writeStream(builder, attribute.values.data(), 4, attribute.values.size())));
   const auto indices =
       raw ? writeStream(builder, part.indices.data(), 4, part.indices.size(), format::Codec::MeshoptSequence)
           : flatbuffers::Offset<format::Stream>();
@@ -246,14 +264,20 @@ uint32_t influencesOf(const PackedPart& part) {
 flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,
                                                 uint32_t stride, size_t count, format::Codec codec) {
   std::vector<uint8_t> bytes;
-  if (count > 0 && codec == format::Codec::MeshoptVertex) {
-    bytes.resize(meshopt_encodeVertexBufferBound(count, stride));
-    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), data, count, stride));
-  } else if (count > 0) {
+  if (count > 0 && codec == format::Codec::MeshoptSequence) {
     const auto* words = static_cast<const uint32_t*>(data);
     bytes.resize(
         meshopt_encodeIndexSequenceBound(count, *std::max_element(words, words + count) + size_t{1}));
     bytes.resize(meshopt_encodeIndexSequence(bytes.data(), bytes.size(), words, count));
+  } else if (count > 0) {
+    bytes.resize(meshopt_encodeVertexBufferBound(count, stride));
+    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), data, count, stride));
+    std::vector<uint8_t> coded = encodeEntropyStream(static_cast<const uint8_t*>(data), count, stride);
+    if (coded.size() + bytes.size() / kWorthIt < bytes.size() &&
+        count * stride <= kMostUnpacked * coded.size()) {
+      bytes = std::move(coded);
+      codec = format::Codec::Entropy;
+    }
   }
   return format::CreateStream(builder, codec, stride, static_cast<uint32_t>(count),
                               builder.CreateVector(bytes));

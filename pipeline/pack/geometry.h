@@ -25,7 +25,7 @@ struct PackedAttribute {
   uint32_t components = 1, bits = 16;
   std::vector<float> offset;
   float step = 0.0f;
-  std::vector<uint32_t> values;  // components a vertex; empty once Draco has them
+  std::vector<uint32_t> values;  // components a vertex that Draco has not got
 };
 
 struct PackedPart {
@@ -48,9 +48,9 @@ struct PackedPart {
 float positionStep(std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
 
 // Quantises a primitive: positions in steps of `position_step`, see above, normals
-// and tangents (unit) to 10 bits, UVs and weights to 16. With Draco the vertices get a new order and faces
-// without area are dropped; a mesh that would lose vertices that way is encoded in its own order. `decoded`
-// is what the runtime will make of it, with influencesOf(part) joints a vertex.
+// and tangents (unit) to 10 bits, UVs and weights to 16. With Draco the vertices get a new order and
+// triangles with a corner twice are dropped. `decoded` is what the runtime will make of it, with
+// influencesOf(part) joints a vertex.
 PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
                         std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step,
                         GeometryCodec codec, PartGeometry& decoded);
@@ -65,7 +65,8 @@ double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t>
 // The upper three rows, row-major, as the file and the runtime's Affine hold a matrix.
 std::vector<float> affineRows(const glm::dmat4& matrix);
 
-// A stream through meshoptimizer's codecs. `stride` is a multiple of 4.
+// A stream through the codec; where that is MeshoptVertex, through the entropy coder instead if that takes a
+// twentieth less. `stride` is a multiple of 4.
 flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,
                                                 uint32_t stride, size_t count,
                                                 format::Codec codec = format::Codec::MeshoptVertex);

@@ -220,6 +220,8 @@ class Loader {
     for (size_t i = 0; i < s_.surface_indices.size(); ++i)
       s_.surface_indices[i] = s_.point_vertex[s_.vertex_point[s_.indices[i]]];
 
+    if (!(a_.place_error() >= 0.0f) || !std::isfinite(a_.place_error()))
+      return bad("the error of its places is out of range");
     const size_t places = streamCount(a_.place_points());
     if (Status status = decode<uint32_t>(a_.place_points(), 2, places, s_.place_points); !status.ok())
       return status;
@@ -474,11 +476,22 @@ class Loader {
 
   Status loadLayerStreams(const format::Layer& layer, Layer& out) {
     std::vector<Float3> directions;
-    if (streamCount(layer.directions()) > 0) {
-      std::vector<PackedDirection> packed(points());
+    std::vector<PackedDirection> packed;
+    if (const auto* axis = layer.axis()) {
+      const Float3 along = axis->size() == 3 ? Float3{axis->Get(0), axis->Get(1), axis->Get(2)} : Float3{};
+      const float size = std::max({std::abs(along.x), std::abs(along.y), std::abs(along.z)});
+      if (!(size > 0.0f) || !std::isfinite(size)) return bad("a layer's axis is not sound");
+      std::vector<Float3> projected;
+      std::vector<float> confidence;
+      projectAxis(point_normals_, along, projected, confidence);
+      packed = packDirections(point_normals_, projected, confidence);
+    } else if (streamCount(layer.directions()) > 0) {
+      packed.resize(points());
       if (Status status = decodeStream(layer.directions(), sizeof(PackedDirection), points(), packed.data());
           !status.ok())
         return status;
+    }
+    if (!packed.empty()) {
       directions = unpackDirections(point_normals_, packed);
       auto& bytes = s_.bytes.emplace_back();
       bytes.reserve(4 * points());
@@ -590,7 +603,8 @@ Status Asset::load(std::span<const std::byte> file, std::pmr::memory_resource* m
            asset.position_error(),
            asset.morph_error(),
            s.colors,
-           s.base_maps};
+           s.base_maps,
+           asset.place_error()};
   storage_ = std::move(storage);
   return {};
 } catch (const std::bad_alloc&) {

@@ -24,6 +24,19 @@ bool finite(const Affine& affine) {
   return std::all_of(std::begin(affine.m), std::end(affine.m), [](float x) { return std::isfinite(x); });
 }
 
+// Of the vertex that stands for the point, in root space and the bind pose.
+Float3 positionOf(const AssetView& asset, uint32_t point) {
+  const uint32_t vertex = asset.point_vertex[point];
+  const auto part = std::upper_bound(asset.parts.begin(), asset.parts.end(), vertex,
+                                     [](uint32_t v, const Part& each) { return v < each.vertex_end; });
+  return transformed(part->rest, asset.positions[vertex]);
+}
+
+double distance(Float3 p, Float3 q) {
+  const double x = double{p.x} - q.x, y = double{p.y} - q.y, z = double{p.z} - q.z;
+  return std::sqrt((x * x + y * y) + z * z);
+}
+
 size_t tableSize(const AssetView& asset) {
   return std::bit_ceil(size_t{asset.pointCount()} * 2);
 }
@@ -40,7 +53,7 @@ class PointGrid {
         next_(scratch.subspan(heads_.size(), asset.pointCount())) {
     std::fill(heads_.begin(), heads_.end(), kAbsent);
     for (uint32_t point = 0; point < asset.pointCount(); ++point) {
-      const Float3 p = positionOf(point);
+      const Float3 p = positionOf(asset, point);
       uint32_t& head = heads_[cells_.around(p.x, p.y, p.z).cells[0] & (heads_.size() - 1)];
       next_[point] = head;
       head = point;
@@ -56,30 +69,21 @@ class PointGrid {
       for (uint32_t point = heads_[near.cells[c] & (heads_.size() - 1)]; point != kAbsent;
            point = next_[point]) {
         if (++tests > kMostTests) return kAmbiguous;
-        const Float3 q = positionOf(point);
-        const double x = double{p.x} - q.x, y = double{p.y} - q.y, z = double{p.z} - q.z;
-        const double distance = std::sqrt((x * x + y * y) + z * z);
-        if (!(distance <= reach_)) continue;
+        const double away = distance(p, positionOf(asset_, point));
+        if (!(away <= reach_)) continue;
         const uint32_t place = places_[point];
-        if (distance <= best) {
+        if (away <= best) {
           if (place != nearest && nearest != kUnmatched) second = best;
-          best = distance;
+          best = away;
           nearest = place;
         } else if (place != nearest) {
-          second = std::min(second, distance);
+          second = std::min(second, away);
         }
       }
     return second - best <= 2.0 * asset_.position_error ? kAmbiguous : nearest;
   }
 
  private:
-  Float3 positionOf(uint32_t point) const {
-    const uint32_t vertex = asset_.point_vertex[point];
-    const auto part = std::upper_bound(asset_.parts.begin(), asset_.parts.end(), vertex,
-                                       [](uint32_t v, const Part& each) { return v < each.vertex_end; });
-    return transformed(part->rest, asset_.positions[vertex]);
-  }
-
   const AssetView& asset_;
   std::span<const uint32_t> places_;
   double reach_;
@@ -117,7 +121,9 @@ class Binding {
     const bool sound = hash.open(asset_.place_hash).ok();
     const auto find = [&](Float3 p) {
       const auto slot = sound ? hash.find(p) : std::nullopt;
-      return slot ? asset_.place_points[2 * size_t{*slot}] : kUnmatched;
+      if (!slot) return kUnmatched;
+      const uint32_t point = asset_.place_points[2 * size_t{*slot}];
+      return distance(p, positionOf(asset_, point)) <= asset_.place_error ? point : kUnmatched;
     };
     const auto setAll = [&](auto search) {
       for (size_t v = 0; v < job_.positions.size(); ++v) {

@@ -7,6 +7,12 @@
 
 namespace furrow {
 
+namespace {
+
+constexpr double kLeastLeft = 1e-6;  // of a unit axis
+
+}
+
 uint16_t encodeLine(Float3 normal, Float3 d) {
   Float3 t, b;
   tangentBasis(normal, t, b);
@@ -24,6 +30,23 @@ Float3 decodeLine(Float3 normal, uint16_t code) {
   const Float3 d = {x * t.x + y * b.x, x * t.y + y * b.y, x * t.z + y * b.z};
   const float length = std::sqrt((d.x * d.x + d.y * d.y) + d.z * d.z);
   return {d.x / length, d.y / length, d.z / length};
+}
+
+void projectAxis(std::span<const Float3> normals, Float3 axis, std::vector<Float3>& directions,
+                 std::vector<float>& confidence) {
+  const double wide[3] = {double{axis.x}, double{axis.y}, double{axis.z}};
+  const double l = std::sqrt((wide[0] * wide[0] + wide[1] * wide[1]) + wide[2] * wide[2]);
+  const double x = wide[0] / l, y = wide[1] / l, z = wide[2] / l;
+  for (const Float3& n : normals) {
+    const double along = (x * double{n.x} + y * double{n.y}) + z * double{n.z};
+    const double dx = x - along * double{n.x}, dy = y - along * double{n.y}, dz = z - along * double{n.z};
+    const double left = std::sqrt((dx * dx + dy * dy) + dz * dz);
+    directions.push_back(left > kLeastLeft
+                             ? Float3{static_cast<float>(dx / left), static_cast<float>(dy / left),
+                                      static_cast<float>(dz / left)}
+                             : Float3{});
+    confidence.push_back(static_cast<float>(std::min(1.0, left)));
+  }
 }
 
 std::vector<PackedDirection> packDirections(std::span<const Float3> normals,

@@ -25,6 +25,11 @@ static_assert(sizeof(PackedDirection) == 4);
 uint16_t encodeLine(Float3 normal, Float3 direction);
 Float3 decodeLine(Float3 normal, uint16_t code);
 
+// `axis`, of any length but 0, in the tangent plane of every unit normal: unit directions, zero where the
+// axis is along the normal, and as confidence the length of what is left of a unit axis.
+void projectAxis(std::span<const Float3> normals, Float3 axis, std::vector<Float3>& directions,
+                 std::vector<float>& confidence);
+
 // `normals`, `directions` (unit; zero: none) and `confidence` ([0, 1]) of every point.
 std::vector<PackedDirection> packDirections(std::span<const Float3> normals,
                                             std::span<const Float3> directions,

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "entropy_codec.h"
 #include "furrow_generated.h"
 #include "stream_codec.h"
 
@@ -16,8 +17,6 @@ namespace furrow {
 namespace {
 
 constexpr uint32_t kMaxVertices = 1u << 30;
-constexpr size_t kMostUnpacked =
-    64;  // bytes of one: the vertex codec's headers tell of 4 groups of 16 in a byte
 constexpr uint32_t kSemantics = static_cast<uint32_t>(format::Semantic::MAX) + 1;
 
 // Integers of every attribute of a part, before they become floats.
@@ -94,21 +93,47 @@ Status readDraco(const format::Part& part, Integers& integers, std::vector<uint3
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) return bad("Draco cannot decode it");
   const draco::Mesh& mesh = *decoded.value();
-  if (mesh.num_points() != part.vertices() || mesh.num_faces() != part.triangles())
-    return bad("Draco decodes another number of vertices or triangles");
+  if (mesh.num_faces() != part.triangles()) return bad("Draco decodes another number of triangles");
+  const draco::PointAttribute* attributes[kSemantics] = {};
   for (uint32_t s = 0; s < kSemantics; ++s) {
     if (!integers.attribute[s]) continue;
-    const draco::PointAttribute* source = mesh.GetAttributeByUniqueId(s);
-    const uint32_t components = integers.attribute[s]->components();
-    if (!source || source->num_components() != components || source->data_type() != draco::DT_UINT32)
+    attributes[s] = mesh.GetAttributeByUniqueId(static_cast<uint32_t>(s));
+    if (!attributes[s] || attributes[s]->num_components() != integers.attribute[s]->components() ||
+        attributes[s]->data_type() != draco::DT_UINT32)
       return bad("Draco lacks an attribute");
-    integers.values[s].resize(size_t{part.vertices()} * components);
-    for (draco::PointIndex v(0); v < mesh.num_points(); ++v)
-      source->GetMappedValue(v, &integers.values[s][size_t{v.value()} * components]);
   }
-  indices.resize(size_t{part.triangles()} * 3);
+
+  // Draco gives a vertex of a non-manifold edge several points, and none to one without a triangle.
+  const auto* alone = integers.attribute[static_cast<uint32_t>(format::Semantic::Position)]->stream();
+  if (part.vertices() > size_t{mesh.num_points()} + streamCount(alone) / 3)
+    return bad("Draco decodes too few vertices");
+  std::vector<uint32_t> vertex_of_source(part.vertices(), kAbsent), vertex_of_point, point_of_vertex;
+  for (draco::PointIndex p(0); p < mesh.num_points(); ++p) {
+    uint32_t source = 0;
+    attributes[static_cast<uint32_t>(format::Semantic::Source)]->GetMappedValue(p, &source);
+    if (source >= part.vertices()) return bad("a source vertex is out of range");
+    if (vertex_of_source[source] == kAbsent) {
+      vertex_of_source[source] = static_cast<uint32_t>(point_of_vertex.size());
+      point_of_vertex.push_back(p.value());
+    }
+    vertex_of_point.push_back(vertex_of_source[source]);
+  }
+  const size_t without = part.vertices() - point_of_vertex.size();
+  for (uint32_t s = 0; s < kSemantics; ++s) {
+    if (!attributes[s]) continue;
+    const uint32_t components = integers.attribute[s]->components();
+    std::vector<uint32_t>& values = integers.values[s];
+    values.resize(size_t{part.vertices()} * components);
+    for (size_t v = 0; v < point_of_vertex.size(); ++v)
+      attributes[s]->GetMappedValue(draco::PointIndex(point_of_vertex[v]), &values[v * components]);
+    if (Status status = decodeStream(integers.attribute[s]->stream(), 4, without * components,
+                                     values.data() + point_of_vertex.size() * components);
+        !status.ok())
+      return status;
+  }
+  indices.reserve(size_t{part.triangles()} * 3);
   for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f)
-    for (uint32_t c = 0; c < 3; ++c) indices[size_t{f.value()} * 3 + c] = mesh.face(f)[c].value();
+    for (uint32_t c = 0; c < 3; ++c) indices.push_back(vertex_of_point[mesh.face(f)[c].value()]);
   return {};
 }
 #endif
@@ -163,6 +188,10 @@ Status decodeStream(const format::Stream* stream, uint32_t stride, size_t count,
     case format::Codec::MeshoptSequence:
       if (stride != 4 || !decodeIndexStream(bytes, count, static_cast<uint32_t*>(out)))
         return bad("an index stream does not decode");
+      return {};
+    case format::Codec::Entropy:
+      if (!decodeEntropyStream(bytes, count, stride, static_cast<uint8_t*>(out)))
+        return bad("an entropy-coded stream does not decode");
       return {};
   }
   return bad("a stream has an unknown codec");

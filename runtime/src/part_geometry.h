@@ -3,6 +3,7 @@
 // One part of an asset: from the integers the file holds to the floats the jobs read. The pipeline packs with
 // the same code, so that what it bakes from is what a game will see.
 
+#include <cstddef>
 #include <vector>
 
 #include "furrow/status.h"
@@ -31,6 +32,11 @@ struct PartGeometry {
 // joints in range, floats finite, `source` a permutation, weights summing to 65535 and padded with zeros to
 // `influences`.
 Status decodePart(const format::Part& part, uint32_t influences, PartGeometry& out);
+
+// Bytes that one byte of a stream may stand for, so that a short file asks for little memory: what a header
+// of the vertex codec tells of, 4 groups of 16. The cook gives no stream to the entropy coder that would need
+// fewer.
+inline constexpr size_t kMostUnpacked = 64;
 
 // A stream of `stride`-byte elements whose count must be `count`; null is a stream of no elements.
 // checkStream() comes before memory is taken for the elements: whether there are bytes enough for so many.

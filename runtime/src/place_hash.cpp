@@ -56,7 +56,7 @@ std::optional<uint32_t> PlaceHash::find(Float3 position) const {
   uint64_t hash = hashOf(Key(position), seed_);
   uint32_t place = slotOf(hash, static_cast<uint8_t>(pilots_[bucketOf(hash, bucket_count_)]), slot_count_);
   if (place >= place_count_) place = read<uint32_t>(spill_, place - place_count_);
-  if (read<uint32_t>(checks_, place) != checkOf(hash)) return std::nullopt;
+  if (read<uint16_t>(checks_, place) != checkOf(hash)) return std::nullopt;
   return place;
 }
 

@@ -19,12 +19,12 @@ static_assert(std::endian::native == std::endian::little,
               "a place hash is read and written as it lies in memory");
 
 inline constexpr uint32_t kMagic = 0x48504c46;  // "FLPH"
-inline constexpr uint32_t kVersion = 1;
+inline constexpr uint32_t kVersion = 2;
 inline constexpr uint32_t kMaxPlaces = 1u << 30;
 inline constexpr uint32_t kPilots = 256;  // a pilot is a byte
 
 // Followed by uint8 pilots[bucket_count], zeros up to a multiple of 4, uint32 spill[slot_count - place_count]
-// and uint32 checks[place_count].
+// and uint16 checks[place_count].
 struct Header {
   uint32_t magic, version;
   uint32_t place_count, bucket_count, slot_count;
@@ -34,7 +34,7 @@ struct Header {
   uint64_t checksBegin() const {
     return spillBegin() + (uint64_t{slot_count} - place_count) * sizeof(uint32_t);
   }
-  uint64_t size() const { return checksBegin() + uint64_t{place_count} * sizeof(uint32_t); }
+  uint64_t size() const { return checksBegin() + uint64_t{place_count} * sizeof(uint16_t); }
 };
 static_assert(sizeof(Header) == 24);
 
@@ -58,10 +58,10 @@ inline uint64_t hashOf(const Key& key, uint32_t seed) {
   return XXH3_64bits_withSeed(&key, sizeof(key), seed);
 }
 
-// The upper half of the hash picks the bucket, the lower half is the check, and all of it with the bucket's
-// pilot picks the slot.
-inline uint32_t checkOf(uint64_t hash) {
-  return static_cast<uint32_t>(hash);
+// The upper half of the hash picks the bucket, its lowest quarter is the check, and all of it with the
+// bucket's pilot picks the slot.
+inline uint16_t checkOf(uint64_t hash) {
+  return static_cast<uint16_t>(hash);
 }
 
 inline uint32_t bucketOf(uint64_t hash, uint32_t bucket_count) {

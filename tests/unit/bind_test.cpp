@@ -244,6 +244,17 @@ TEST(Bind, AStrangerIsRefused) {
   EXPECT_EQ(bind(asset.view(), moved).counts.unmatched, 1u);
 }
 
+// The check value alone would let 2 to 30 of these pass.
+TEST(Bind, OfAMillionStrangersNoneIsTakenForAPlace) {
+  const Asset asset = cookAsset(hills(), recipeOf({axisLayer({1, 0, 0})}));
+  std::mt19937 random(7);
+  const auto unit = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+  Mesh strangers;
+  for (int i = 0; i < 1000000; ++i)
+    strangers.positions.push_back({2.0f * unit(), unit(), 0.4f * unit() - 0.2f});
+  EXPECT_EQ(bind(asset.view(), strangers).counts.unmatched, strangers.positions.size());
+}
+
 TEST(Bind, APlacedMeshIsFoundFromItsOwnSpaceThroughThePartsRest) {
   SourceScene scene = hills();
   scene.rig.nodes[0].scale = glm::dvec3(0.3);

@@ -206,11 +206,53 @@ TEST(Loader, RefusesWhatNothingFollowsFrom) {
               for (int i = 0; i < 12; ++i) changeable(a.parts()->Get(0)->rest())[i] = 3e38f;
             }).code,
             StatusCode::kBadData);
-  for (const uint8_t byte : {uint8_t{0}, uint8_t{0xff}})
-    EXPECT_EQ(loadChanged([byte](format::Asset& a) {
-                changeable(a.layers()->Get(0)->directions()->data())[0] = byte;
+  for (const float size : {0.0f, NAN, INFINITY})
+    EXPECT_EQ(loadChanged([size](format::Asset& a) {
+                std::fill_n(changeable(a.layers()->Get(0)->axis()), 3, size);
               }).code,
               StatusCode::kBadData);
+  pipeline::LayerRecipe solved = axisLayer({1, 0, 0});
+  solved.direction = pipeline::DirectionAnimation{};
+  EXPECT_TRUE(loadChanged([](format::Asset&) {}, solved).ok());
+  for (const uint8_t byte : {uint8_t{0}, uint8_t{0xff}})
+    EXPECT_EQ(loadChanged(
+                  [byte](format::Asset& a) {
+                    const auto* bytes = a.layers()->Get(0)->directions()->data();
+                    std::fill_n(changeable(bytes), bytes->size(), byte);
+                  },
+                  solved)
+                  .code,
+              StatusCode::kBadData);
+}
+
+// On a ball, where the normal is the position; the file holds three numbers instead of a stream.
+TEST(Loader, ProjectsTheAxisOfALayer) {
+  Primitive ball = sheet(40);
+  for (glm::vec3& p : ball.positions) {
+    const float around = 6.0f * p.x, up = 2.8f * (p.y - 0.5f);
+    p = {std::sin(around) * std::cos(up), std::sin(up), std::cos(around) * std::cos(up)};
+  }
+  const std::vector<std::byte> file =
+      pipeline::cook(sceneOf(ball, [](glm::dvec3 p) { return p; }), recipeOf({axisLayer({2, 1, -2})}), {})
+          .bytes;
+  const format::Layer& stored =
+      *flatbuffers::GetRoot<format::Asset>(file.data() + sizeof(AssetHeader))->layers()->Get(0);
+  EXPECT_EQ(stored.directions(), nullptr);
+  ASSERT_NE(stored.axis(), nullptr);
+  Asset asset;
+  ASSERT_TRUE(asset.load(file).ok());
+  const AssetView& view = asset.view();
+  ASSERT_EQ(view.layers[0].directions.size(), 4 * size_t{view.pointCount()});
+  const glm::dvec3 axis(2.0 / 3.0, 1.0 / 3.0, -2.0 / 3.0);
+  for (uint32_t p = 0; p < view.pointCount(); ++p) {
+    const Float3 at = view.positions[view.point_vertex[p]];
+    const glm::dvec3 n = glm::normalize(glm::dvec3(at.x, at.y, at.z)), left = axis - glm::dot(axis, n) * n;
+    const int8_t* d = &view.layers[0].directions[4 * size_t{p}];
+    EXPECT_NEAR(d[3] / 127.0, glm::length(left), 0.08) << p;  // the triangles' normals are not the ball's
+    if (glm::length(left) < 0.5) continue;
+    EXPECT_GT(std::abs(glm::dot(glm::normalize(glm::dvec3(d[0], d[1], d[2])), glm::normalize(left))), 0.98)
+        << p;
+  }
 }
 
 // One layer has four channels of a texture.

@@ -15,7 +15,7 @@
 namespace furrow {
 
 inline constexpr uint32_t kFormatVersion =
-    4;  // bumped, never renumbered; docs/format.md says what each version changed
+    5;  // bumped, never renumbered; docs/format.md says what each version changed
 inline constexpr uint32_t kMaxLayers = 16;
 inline constexpr uint32_t kMaxPaletteEntries = 65536;
 
@@ -205,6 +205,9 @@ struct AssetView {
   // each as 255 times the square root of the linear value, then 255. For previews.
   std::span<const uint8_t> colors;
   std::span<const BaseMaps> base_maps;
+  // Largest distance, in root space and the bind pose, from a position of the source that leads to a place to
+  // the vertex that stands for the place's first point.
+  float place_error = 0.0f;
 
   uint32_t vertexCount() const { return static_cast<uint32_t>(positions.size()); }
   uint32_t triangleCount() const { return static_cast<uint32_t>(indices.size() / 3); }

@@ -20,6 +20,11 @@ struct BindCounts {
 // (lips that touch, a sleeve on an arm), they are told apart by where the other corners of the vertex's
 // triangles lie. Owns nothing and allocates nothing.
 //
+// A vertex that is not of the source's mesh is unmatched: its position has to give the place's 16-bit check
+// value and to lie within AssetView::place_error of the place, which is about half a step of the quantised
+// positions. Of vertices elsewhere none gets through; of those that lie that near a place without being
+// there, one in 2^16 times the number of places.
+//
 // Exact positions need no tolerance if they are those of the source's file and `to_root` is Part::rest of
 // their part: the cook brings them to root space by the same arithmetic. With a tolerance, a vertex that the
 // hash does not know takes the nearest point within it. Points are then where the asset's own geometry is,

@@ -13,7 +13,7 @@
 namespace furrow {
 
 // Reads the hash section of an asset (AssetView::place_hash): a minimal perfect hash that maps the n places
-// to [0, n) one to one, in under 4 bits a place, beside a 32-bit check value of each place. Owns nothing and
+// to [0, n) one to one, in under 4 bits a place, beside a 16-bit check value of each place. Owns nothing and
 // allocates nothing; any number of threads may read one.
 //
 // Section layout, little endian: docs/format.md.
@@ -25,8 +25,9 @@ class PlaceHash {
 
   uint32_t placeCount() const { return place_count_; }
 
-  // The place, < placeCount(), at exactly this position (-0 equals 0), or nothing if no vertex of the source
-  // lay there, but for a chance of 2^-32 a query.
+  // The place, < placeCount(), at exactly this position (-0 equals 0). Where no vertex of the source lay,
+  // nothing, but for a chance of 2^-16 a query: then some place, anywhere. Who asks about strangers compares
+  // the position with the place's, as BindJob does, which leaves no chance worth naming.
   std::optional<uint32_t> find(Float3 position) const;
 
  private:
