@@ -1,5 +1,6 @@
 #include "editor/document/document.h"
 
+#include <map>
 #include <span>
 
 #include "pipeline/pack/output_file.h"
@@ -7,16 +8,41 @@
 namespace furrow::editor {
 namespace {
 
+namespace fs = std::filesystem;
+
 const std::string kNothing;
+
+// The images painted for recipe `from`, named for recipe `to`.
+Content movedBeside(Content content, const fs::path& from, const fs::path& to) {
+  std::map<fs::path, fs::path> moved;
+  const std::string stem = from.stem().string() + "_";
+  for (const auto& [file, image] : content.images) {
+    std::string name = file.filename().string();
+    if (name.starts_with(stem)) name = to.stem().string() + "_" + name.substr(stem.size());
+    moved[file] = to.parent_path() / name;
+  }
+  pipeline::Images images;
+  for (const auto& [file, image] : content.images) images[moved[file]] = image;
+  content.images = std::move(images);
+  for (pipeline::LayerRecipe& layer : content.recipe.layers) {
+    const auto rename = [&](fs::path& file) {
+      if (const auto found = moved.find(file); found != moved.end()) file = found->second;
+    };
+    if (auto* mask = std::get_if<pipeline::MaskTexture>(&layer.mask)) rename(mask->texture);
+    if (auto* flow = std::get_if<pipeline::DirectionTexture>(&layer.direction)) rename(flow->texture);
+    if (layer.bias) rename(layer.bias->texture);
+  }
+  return content;
+}
 
 }  // namespace
 
 bool same(const Content& a, const Content& b) {
-  const std::filesystem::path file = "/recipe.json";  // the same for both
+  const fs::path file = "/recipe.json";  // the same for both
   return a.images == b.images && pipeline::recipeText(a.recipe, file) == pipeline::recipeText(b.recipe, file);
 }
 
-Document::Document(Content content, std::filesystem::path file, bool saved)
+Document::Document(Content content, fs::path file, bool saved)
     : content_(std::move(content)), file_(std::move(file)), saved_(saved ? 0 : ~uint64_t{0}) {}
 
 Document::Step Document::stepBack(const std::string& what, const Content& next) const {
@@ -71,15 +97,22 @@ size_t Document::historyBytes() const {
   return bytes;
 }
 
-void Document::save(const std::filesystem::path& file) {
-  for (const auto& [path, image] : content_.images) {
+void Document::save(const fs::path& file) {
+  const bool elsewhere = file != file_ && !content_.images.empty();
+  Content next = elsewhere ? movedBeside(content_, file_, file) : content_;
+  for (const auto& [path, image] : next.images) {
     const auto written = written_.find(path);
     if (written != written_.end() && written->second == image) continue;
     pipeline::writeImage(path, pipeline::toFloats(*image));
     written_[path] = image;
   }
-  const std::string text = pipeline::recipeText(content_.recipe, file);
+  const std::string text = pipeline::recipeText(next.recipe, file);
   pipeline::writeFile(file, std::as_bytes(std::span(text)));
+  if (elsewhere) {
+    pushUndo(stepBack("save under another name", next));
+    content_ = std::move(next);
+    revision_ = ++newest_;
+  }
   file_ = file;
   content_.recipe.file = file;
   saved_ = revision_;

@@ -48,7 +48,9 @@ class Document {
 
   // Writes the images that changed since they were read or saved, then the recipe, to `file`: each appears
   // whole or not at all, and the recipe last, so that it never names an image that is not there. Throws
-  // pipeline::Error (kEnvironment); the document then stays as it was and stays dirty.
+  // pipeline::Error (kEnvironment); the document then stays as it was and stays dirty. Under another name the
+  // images painted here go with the recipe, into its folder and under its name, and those of the old one stay
+  // as they are; that is an edit, which can be undone.
   void save(const std::filesystem::path& file);
   // The next save writes every image, whatever lies on disk.
   void overwrite() { written_.clear(); }

@@ -115,6 +115,7 @@ void Session::close() {
   report_ = {};
   warned_.clear();
   error_.clear();
+  recipe_error_.clear();
   dependencies_.clear();
   editable_ = conflict_ = reread_ = false;
   document = Document();
@@ -149,8 +150,9 @@ void Session::takeResults() {
   while (std::optional<CookResult> result = worker_.take()) {
     if (!result->output.empty()) {
       if (result->error.empty())
-        tell(Message::Kind::kNote,
-             result->output.string() + ": cooked, " + std::to_string(result->report.bytes / 1024) + " KiB");
+        tell(Message::Kind::kNote, result->output.string() + ": cooked, " +
+                                       std::to_string(result->report.bytes / 1024) + " KiB" +
+                                       (document.dirty() ? "; the recipe is not saved yet" : ""));
       else
         tell(Message::Kind::kError, result->error);
       continue;
@@ -218,15 +220,17 @@ void Session::reload() {
   conflict_ = false;
   try {
     document.reloaded({pipeline::readRecipe(document.file()), {}});
-    error_.clear();
+    recipe_error_.clear();
+    tell(Message::Kind::kNote, document.file().string() + ": changed on disk and read again");
   } catch (const pipeline::Error& error) {
-    error_ = error.what();
+    recipe_error_ = error.what();
     tell(Message::Kind::kError, error.what());
   }
 }
 
 void Session::keep() {
   conflict_ = false;
+  recipe_error_.clear();
   document.overwrite();
 }
 
@@ -243,8 +247,14 @@ std::vector<Response> Session::responses(const Shown& of) const {
 
 void Session::save(const fs::path& recipe) {
   if (!editable_) return;
+  // What somebody wrote there and mistyped is not replaced unasked.
+  if (!recipe_error_.empty() && whole(recipe) == document.file()) {
+    conflict_ = true;
+    return;
+  }
   try {
     document.save(whole(recipe));
+    recipe_error_.clear();
     watchFiles();
     watch_.forget(document.file());
     for (const auto& [file, image] : document.content().images) watch_.forget(file);

@@ -52,7 +52,8 @@ class Session {
   bool cooking() const { return worker_.busy(); }
   std::string stage() const { return worker_.stage(); }
   // Why what is shown is not what the document says; empty: it is, or will be.
-  const std::string& error() const { return error_; }
+  const std::string& recipeError() const { return recipe_error_; }  // of the recipe as it lies on disk
+  const std::string& error() const { return recipe_error_.empty() ? error_ : recipe_error_; }
 
   // Another asset or recipe for the same source, to compare with; its faults are messages.
   void compareWith(const std::filesystem::path& file);
@@ -65,8 +66,9 @@ class Session {
 
   void save(const std::filesystem::path& recipe);  // of the document; faults are messages
   void cookTo(const std::filesystem::path& asset);
-  // The recipe or a painted image changed on disk while edits were not saved; reload() drops them (they can
-  // be had back with undo), keep() lets the next save replace the files.
+  // The recipe or a painted image changed on disk while edits were not saved, or a recipe that cannot be read
+  // would be replaced; reload() drops the edits (they can be had back with undo), keep() lets the next save
+  // replace the files.
   bool conflict() const { return conflict_; }
   void reload();
   void keep();
@@ -88,7 +90,7 @@ class Session {
   std::shared_ptr<Shown> shown_, comparison_;
   pipeline::Recipe resolved_;
   pipeline::CookReport report_;
-  std::string error_;
+  std::string error_, recipe_error_;  // error_: of the last cook
   std::vector<Message> messages_;
   uint64_t told_ = 0;
   std::set<std::string> warned_;  // warnings that were told

@@ -15,27 +15,6 @@ namespace fs = std::filesystem;
 constexpr float kCursorStep = 0.01f;  // of the picture's sides
 constexpr float kPanStep = 0.05f;     // of the picture's height
 
-// With the view that shows what the tool changes.
-void takeTool(State& state, Tool to) {
-  state.tool = to;
-  state.cursor.reset();
-  switch (to) {
-    case Tool::kLook:
-      state.looks[0].view = static_cast<int>(preview::View::kBeauty);
-      break;
-    case Tool::kBias:
-      state.looks[0].view = static_cast<int>(preview::View::kBias);
-      break;
-    case Tool::kMask:
-      state.looks[0].view = static_cast<int>(preview::View::kMask);
-      break;
-    case Tool::kComb:
-    case Tool::kGuide:
-      state.looks[0].view = static_cast<int>(preview::View::kDirection);
-      break;
-  }
-}
-
 }  // namespace
 
 void Editor::makeActions() {
@@ -99,7 +78,7 @@ std::vector<Action> Editor::fileActions() {
            .tip = "Write a whole turn of the character as numbered PNG files",
            .run =
                [this, &s] {
-                 files_.open("Turntable frames into folder", s.settings.folder, {}, true,
+                 files_.open("Write turntable frames into a folder", s.settings.folder, {}, true,
                              [this](const fs::path& folder) { share_.startTurntable(folder); });
                },
            .enabled = is_open},
@@ -109,7 +88,7 @@ std::vector<Action> Editor::fileActions() {
            .tip = "Write what plays as numbered PNG files",
            .run =
                [this, &s] {
-                 files_.open("Clip frames into folder", s.settings.folder, {}, true,
+                 files_.open("Write clip frames into a folder", s.settings.folder, {}, true,
                              [this, &s](const fs::path& folder) { share_.startClip(s, folder); });
                },
            .enabled =
@@ -128,7 +107,7 @@ std::vector<Action> Editor::fileActions() {
 std::vector<Action> Editor::editActions() {
   State& s = state_;
   const auto editable = [&s] { return s.session.editable(); };
-  const auto tool = [&s](Tool to) { return [&s, to] { takeTool(s, to); }; };
+  const auto tool = [&s](Tool to) { return [&s, to] { s.take(to); }; };
   const auto uses = [&s](Tool of) { return [&s, of] { return s.tool == of; }; };
   return {{.id = "edit.undo",
            .menu = "Edit",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <utility>
 
 #include "editor/ui/widgets.h"
@@ -80,7 +81,9 @@ void FileDialog::accept(const fs::path& file) {
   }
   fs::path whole = file;
   if (saving_ && whole.extension().empty() && !kinds_.empty()) whole += kinds_.front();
-  if (!saving_ && !fs::exists(whole, ignored)) {
+  // An image in a glTF file is head.glb#name.
+  const std::string text = whole.string();
+  if (!saving_ && !fs::exists(whole, ignored) && !fs::exists(text.substr(0, text.rfind('#')), ignored)) {
     problem_ = whole.string() + ": there is no such file";
     return;
   }
@@ -139,10 +142,10 @@ void FileDialog::draw() {
   appearing_ = false;
   const bool enter = ImGui::InputText("##dialog.name", &name_, ImGuiInputTextFlags_EnterReturnsTrue);
   mark("dialog.name");
-  tooltip("Name of the file, in this folder or a whole path");
+  tooltip("Name of the file, in this folder or a whole path; of an image in a glTF file: head.glb#name");
   const bool named = !name_.empty() || kinds_.empty();
-  if ((button("dialog.accept", saving_ ? "Save" : "Open", "Takes this file  (Enter)", named, 7.0f * em()) ||
-       enter) &&
+  const std::string does = title_.substr(0, title_.find(' '));
+  if ((button("dialog.accept", does.c_str(), "Takes this file  (Enter)", named, 7.0f * em()) || enter) &&
       named)
     accept(name_.empty() ? folder_ : folder_ / name_);
   ImGui::SameLine();
@@ -164,33 +167,48 @@ void drawLeaving(State& state) {
   ImGui::TextWrapped("%s has edits that are not saved.",
                      state.session.document.file().filename().string().c_str());
   ImGui::Spacing();
-  const auto leave = [&] {
-    const std::function<void()> go = std::exchange(state.leaving, nullptr);
+  static std::string problem;
+  const auto close = [&] {
+    problem.clear();
     ImGui::CloseCurrentPopup();
-    go();
+    return std::exchange(state.leaving, nullptr);
   };
+  if (!problem.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, Colors::kRed);
+    ImGui::TextWrapped("%s", problem.c_str());
+    ImGui::PopStyleColor();
+    mark("leave.problem");
+    ImGui::Spacing();
+  }
   if (button("leave.save", "Save", "Saves the recipe and its painted images, then goes on", true,
              8.0f * em())) {
     state.session.save(state.session.document.file());
-    if (!state.session.document.dirty()) leave();
+    if (!state.session.document.dirty())
+      close()();
+    else
+      problem = state.brief(state.session.messages().back().text) +
+                ". Or cancel, and save the recipe as another file.";
   }
   ImGui::SameLine();
-  if (button("leave.discard", "Discard", "Goes on without them", true, 8.0f * em())) leave();
+  if (state.leaving && button("leave.discard", "Discard", "Goes on without them", true, 8.0f * em()))
+    close()();
   ImGui::SameLine();
-  if (button("leave.cancel", "Cancel", "Stays here  (Escape)", true, 8.0f * em()) ||
-      ImGui::IsKeyPressed(key::kEscape)) {
-    state.leaving = nullptr;
-    ImGui::CloseCurrentPopup();
-  }
+  if (state.leaving && (button("leave.cancel", "Cancel", "Stays here  (Escape)", true, 8.0f * em()) ||
+                        ImGui::IsKeyPressed(key::kEscape)))
+    close();
   ImGui::EndPopup();
 }
 
 void drawConflict(State& state) {
   if (!state.session.conflict() || !beginModal("Changed on disk", 32.0f, 0.0f)) return;
+  const std::string& error = state.session.recipeError();
+  const std::string name = state.session.document.file().filename().string();
   ImGui::TextWrapped(
-      "%s or an image painted for it was changed by another program, and there are edits here that are not "
-      "saved.",
-      state.session.document.file().filename().string().c_str());
+      "%s",
+      (error.empty() ? name + " or an image painted for it was changed by another program, "
+                              "and there are edits here that are not saved."
+                     : name + " was changed by another program and cannot be read. " + state.brief(error))
+          .c_str());
   ImGui::Spacing();
   if (button("conflict.reload", "Take the files", "Reads the files; the edits can be had back with Undo",
              true, 9.0f * em())) {
@@ -270,11 +288,13 @@ void drawProblems(State& state) {
   ImGui::EndChild();
 }
 
-void drawFirstStart(State& state, Samples& samples, const std::function<void(const fs::path&)>& open) {
+void drawFirstStart(State& state, Samples& samples, SamplePictures& pictures,
+                    const std::function<void(const fs::path&)>& open) {
   const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-  const float width = std::min(38.0f * em(), size.x - 4.0f * em());
-  ImGui::SetCursorScreenPos({low.x + 0.5f * (size.x - width), low.y + std::max(0.16f * size.y, 2.0f * em())});
-  ImGui::BeginChild("first", {width, size.y * 0.8f}, false);
+  // In a low window the pictures leave room for what is below them.
+  const float width = std::min({38.0f * em(), size.x - 4.0f * em(), std::max(0.9f * size.y, 16.0f * em())});
+  ImGui::SetCursorScreenPos({low.x + 0.5f * (size.x - width), low.y + std::max(0.08f * size.y, em())});
+  ImGui::BeginChild("first", {width, size.y * 0.88f}, false);
   ImGui::PushFont(titleFont());
   ImGui::TextUnformatted("furrow");
   ImGui::PopFont();
@@ -287,15 +307,29 @@ void drawFirstStart(State& state, Samples& samples, const std::function<void(con
   ImGui::TextUnformatted("Begin with a sample");
   struct Sample {
     const char *id, *file, *label, *tip;
+    ImTextureID picture;
   };
-  constexpr Sample kSamples[] = {
-      {"first.face", "face", "Face", "A face with expressions: raise its brows and see the forehead wrinkle"},
-      {"first.clothing", "jacket", "Jacket", "A jacket on arms that bend: folds at elbow, armpit and waist"}};
-  for (const Sample& sample : kSamples) {
-    if (&sample != kSamples) ImGui::SameLine();
-    if (button(sample.id, sample.label, sample.tip, !samples.making(),
-               0.5f * (width - ImGui::GetStyle().ItemSpacing.x)))
-      samples.ask(sample.file);
+  const Sample all[] = {
+      {"first.face", "face", "Face", "A face with expressions: raise its brows and see the forehead wrinkle",
+       pictures.face()},
+      {"first.clothing", "jacket", "Jacket", "A jacket on arms that bend: folds at elbow, armpit and waist",
+       pictures.jacket()}};
+  const float across = 0.5f * (width - ImGui::GetStyle().ItemSpacing.x), edge = 0.25f * em();
+  const ImVec2 whole = {across, (across - 2.0f * edge) / kSampleAspect + 1.9f * em()};
+  for (const Sample& sample : all) {
+    if (&sample != all) ImGui::SameLine();
+    ImGui::BeginDisabled(samples.making());
+    if (ImGui::Button((std::string("##") + sample.id).c_str(), whole)) samples.ask(sample.file);
+    ImGui::EndDisabled();
+    mark(sample.id);
+    tooltip(sample.tip);
+    const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->AddImageRounded(sample.picture, {from.x + edge, from.y + edge}, {to.x - edge, to.y - 1.65f * em()},
+                          {0, 0}, {1, 1}, IM_COL32(255, 255, 255, samples.making() ? 110 : 255), 3.0f);
+    const float label = ImGui::CalcTextSize(sample.label).x;
+    list->AddText({std::floor(0.5f * (from.x + to.x - label)), to.y - 1.4f * em()}, Colors::kText,
+                  sample.label);
   }
   if (samples.making()) {
     const float part = static_cast<float>(samples.made()) / static_cast<float>(Samples::kCount);

@@ -2,6 +2,7 @@
 
 #include "editor/session/samples.h"
 #include "editor/ui/actions.h"
+#include "editor/ui/sample_pictures.h"
 #include "editor/ui/state.h"
 
 namespace furrow::editor::ui {
@@ -9,8 +10,8 @@ namespace furrow::editor::ui {
 // Lists folders and files of some kinds; everything can be reached by keyboard. One is open at a time.
 class FileDialog {
  public:
-  // `kinds`: endings such as ".glb", empty: folders alone. `saving`: the name may be that of a new file, and
-  // an existing one is asked about.
+  // `title`: begins with what is done with the file. `kinds`: endings such as ".glb", empty: folders alone.
+  // `saving`: the name may be that of a new file, and an existing one is asked about.
   void open(const std::string& title, const std::filesystem::path& start, std::vector<std::string> kinds,
             bool saving, std::function<void(const std::filesystem::path&)> chosen);
   void draw();
@@ -48,7 +49,7 @@ void drawRecent(State& state, const char* where,
                 const std::function<void(const std::filesystem::path&)>& open);
 
 // Before anything is open: what to do, the samples, the recent files.
-void drawFirstStart(State& state, Samples& samples,
+void drawFirstStart(State& state, Samples& samples, SamplePictures& pictures,
                     const std::function<void(const std::filesystem::path&)>& open);
 
 }  // namespace furrow::editor::ui

@@ -16,10 +16,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
-constexpr float kMostOfScreen = 0.4f;  // that a panel takes of the width
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus |
+                                    ImGuiWindowFlags_NoFocusOnAppearing;  // what is dragged or typed goes on
+constexpr float kGroupWidths[] = {7.4f, 3.6f, 16.2f, 11.0f, 25.0f};  // of the toolbar, em, in the first frame
+constexpr float kLeastMessage = 12.0f;  // em in the status line, at the cost of the times
+constexpr float kMostOfScreen = 0.32f;  // that a panel takes of the width: the view keeps a third
 const std::vector<std::string> kImages = {".png", ".tif", ".tiff", ".exr", ".tga", ".jpg", ".jpeg", ".webp"};
-const std::vector<std::string> kMeshes = {".glb", ".gltf", ".obj",  ".ply",
+const std::vector<std::string> kSources = {".glb", ".gltf", ".obj", ".ply", ".stl", ".off"};
+const std::vector<std::string> kOpened = {".glb", ".gltf", ".obj",  ".ply",
                                           ".stl", ".off",  ".json", ".furrow"};
 
 // A window in a fixed place; end with ImGui::End().
@@ -149,7 +154,7 @@ void Editor::frame(double seconds) {
   drawMenuBar();
   const float top = ImGui::GetFrameHeight();
   const float line = ImGui::GetFrameHeight() + 2.0f * ImGui::GetStyle().WindowPadding.y;
-  const float tools = two_rows_ ? line + ImGui::GetFrameHeightWithSpacing() : line;
+  const float tools = line + static_cast<float>(tool_rows_ - 1) * ImGui::GetFrameHeightWithSpacing();
   const float status = ImGui::GetFrameHeight();
   const float problems = state_.problems_shown ? std::min(9.0f * em(), 0.3f * screen.y) : 0.0f;
   const bool panels = !session.source().empty();
@@ -194,7 +199,7 @@ void Editor::frame(double seconds) {
   if (panels)
     viewport_.draw(state_, frame_ ? &*frame_ : nullptr);
   else
-    drawFirstStart(state_, samples_, [this](const fs::path& file) { open(file); });
+    drawFirstStart(state_, samples_, sample_pictures_, [this](const fs::path& file) { open(file); });
   drawBanner(ImGui::GetWindowPos(), middle);
   ImGui::End();
   beginPanel("Status", {0, screen.y - status}, {screen.x, status});
@@ -214,34 +219,56 @@ void Editor::frame(double seconds) {
 void Editor::drawMenuBar() {
   if (!ImGui::BeginMainMenuBar()) return;
   drawMenus(actions_);
-  const std::string name = title();
+  const float room = ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - 2.0f * em();
+  const std::string name = fitted(title(), std::max(room, em()));
   const float width = ImGui::CalcTextSize(name.c_str()).x;
   ImGui::SameLine(ImGui::GetWindowWidth() - width - em());
   ImGui::TextDisabled("%s", name.c_str());
   ImGui::EndMainMenuBar();
 }
 
+// Groups of buttons side by side, in as many rows as their widths of the last frame need.
 void Editor::drawToolbar() {
-  const auto group = [&](std::initializer_list<std::pair<const char*, const char*>> buttons) {
-    for (const auto& [id, label] : buttons) {
-      actionButton(actions_, id, label);
-      ImGui::SameLine(0.0f, 3.0f);
+  const float low = ImGui::GetWindowPos().x, gap = 1.2f * em(),
+              right = ImGui::GetWindowWidth() - ImGui::GetStyle().WindowPadding.x;
+  tool_rows_ = 1;
+  size_t index = 0;
+  const auto group = [&](bool to_right, const auto& draw) {
+    float& width = group_widths_[index];
+    if (width == 0.0f) width = kGroupWidths[index] * em();
+    const float from = ImGui::GetItemRectMax().x - low + gap;
+    if (index++ > 0) {
+      if (from + width > right)
+        ++tool_rows_;
+      else
+        ImGui::SameLine(to_right ? right - width : from);
     }
-    ImGui::SameLine(0.0f, 1.2f * em());
+    ImGui::BeginGroup();
+    draw();
+    ImGui::EndGroup();
+    width = ImGui::GetItemRectSize().x;
   };
-  group({{"file.save", state_.session.document.dirty() ? "Save *" : "Save"}, {"file.cook", "Cook ..."}});
-  group({{"edit.undo", "\xe2\x86\xb6"}, {"edit.redo", "\xe2\x86\xb7"}});
-  group({{"tool.look", "Look"},
-         {"tool.bias", "Bias"},
-         {"tool.mask", "Mask"},
-         {"tool.comb", "Comb"},
-         {"tool.guide", "Guide"}});
-  drawTools();
-  // From here on aligned to the right, or in a row of its own.
-  const float wide = (state_.split ? 47.5f : 25.5f) * em();
-  const float used = ImGui::GetItemRectMax().x + em();
-  two_rows_ = used + wide > ImGui::GetWindowWidth();
-  if (!two_rows_) ImGui::SameLine(ImGui::GetWindowWidth() - wide);
+  const auto buttons = [&](std::initializer_list<std::pair<const char*, const char*>> all) {
+    group(false, [&] {
+      for (const auto& [id, label] : all) {
+        if (id != all.begin()->first) ImGui::SameLine(0.0f, 3.0f);
+        actionButton(actions_, id, label);
+      }
+    });
+  };
+  buttons({{"file.save", state_.session.document.dirty() ? "Save *" : "Save"}, {"file.cook", "Cook ..."}});
+  buttons({{"edit.undo", "\xe2\x86\xb6"}, {"edit.redo", "\xe2\x86\xb7"}});
+  buttons({{"tool.look", "Look"},
+           {"tool.bias", "Bias"},
+           {"tool.mask", "Mask"},
+           {"tool.comb", "Comb"},
+           {"tool.guide", "Guide"}});
+  group(false, [&] { drawTools(); });
+  group(true, [&] { drawLooks(); });
+}
+
+// What each side of the picture shows.
+void Editor::drawLooks() {
   for (int side = 0; side < (state_.split ? 2 : 1); ++side) {
     Look& look = state_.looks[side];
     const std::string name = side == 0 ? "look" : "look2";
@@ -318,8 +345,10 @@ void Editor::drawTools() {
   if (state_.tool == Tool::kBias)
     small_slider("brush.bias", brush.bias, -1.0f, 1.0f, "bias %+.2f", 6.4f,
                  "The weight that strokes add at rest: -1 keeps the place smooth, 1 fully creased");
-  actionButton(actions_, "brush.mirror", "Mirror");
-  ImGui::SameLine(0.0f, 3.0f);
+  if (state_.tool != Tool::kGuide) {
+    actionButton(actions_, "brush.mirror", "Mirror");
+    ImGui::SameLine(0.0f, 3.0f);
+  }
   actionButton(actions_, "brush.erase", "Erase");
 }
 
@@ -373,24 +402,31 @@ void Editor::drawStatus() {
                   state_.scripted ? 0.0 : part.milliseconds);
     times += text;
   }
-  ImGui::TextDisabled("%sms", times.c_str());
-  mark("status.times");
-  tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
-  if (!session.messages().empty()) {
-    const Message& last = session.messages().back();
-    const float room = ImGui::GetWindowWidth() - ImGui::GetItemRectMax().x - 2.0f * em();
-    if (room < 6.0f * em()) return;
-    const std::string text = fitted(state_.brief(last.text), room);
-    const float width = ImGui::CalcTextSize(text.c_str()).x + em();
-    ImGui::SameLine(std::max(ImGui::GetItemRectMax().x + em(), ImGui::GetWindowWidth() - width));
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(last.kind == Message::Kind::kError     ? Colors::kRed
-                                                      : last.kind == Message::Kind::kWarning ? Colors::kAccent
-                                                                                             : Colors::kDim),
-                       "%s", text.c_str());
-    if (ImGui::IsItemClicked()) state_.problems_shown = !state_.problems_shown;
-    mark("status.message");
-    tooltip((last.text + "\n(click: all messages)").c_str());
+  times += "ms";
+  // Where there is room for one of them alone, the message is more important.
+  const auto width = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  const float room = ImGui::GetWindowWidth() - ImGui::GetItemRectMax().x - 2.5f * em();
+  const std::string message =
+      session.messages().empty() ? std::string() : state_.brief(session.messages().back().text);
+  const float wanted = std::min(width(message), kLeastMessage * em());
+  if (width(times) + wanted + em() < room) {
+    ImGui::TextDisabled("%s", times.c_str());
+    mark("status.times");
+    tooltip("Milliseconds of every stage of the last picture, all layers together, waiting for each to end");
+  } else {
+    ImGui::Dummy({0.0f, 0.0f});
   }
+  if (message.empty()) return;
+  const Message& last = session.messages().back();
+  const std::string text = fitted(message, ImGui::GetWindowWidth() - ImGui::GetItemRectMax().x - 2.0f * em());
+  ImGui::SameLine(std::max(ImGui::GetItemRectMax().x + em(), ImGui::GetWindowWidth() - width(text) - em()));
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(last.kind == Message::Kind::kError     ? Colors::kRed
+                                                    : last.kind == Message::Kind::kWarning ? Colors::kAccent
+                                                                                           : Colors::kDim),
+                     "%s", text.c_str());
+  if (ImGui::IsItemClicked()) state_.problems_shown = !state_.problems_shown;
+  mark("status.message");
+  tooltip((last.text + "\n(click: all messages)").c_str());
 }
 
 void Editor::openDialog() {
@@ -403,7 +439,7 @@ void Editor::openDialog() {
     case Dialog::kNone:
       break;
     case Dialog::kOpen:
-      files_.open("Open", folder, kMeshes, false, [this](const fs::path& file) { open(file); });
+      files_.open("Open", folder, kOpened, false, [this](const fs::path& file) { open(file); });
       break;
     case Dialog::kSaveAs:
       files_.open("Save recipe", recipe, {".json"}, true,
@@ -417,7 +453,7 @@ void Editor::openDialog() {
       files_.open("Play take", folder, {".csv"}, false, [this](const fs::path& file) { playTake(file); });
       break;
     case Dialog::kCompare:
-      files_.open("Compare with", folder, kMeshes, false, [this](const fs::path& file) {
+      files_.open("Compare with", folder, kOpened, false, [this](const fs::path& file) {
         state_.session.compareWith(file);
         state_.split = true;
         state_.looks[1] = state_.looks[0];
@@ -425,7 +461,10 @@ void Editor::openDialog() {
       });
       break;
     case Dialog::kTexture:
-      files_.open("Choose image", folder, kImages, false, state_.texture_chosen);
+      files_.open("Choose image", folder, kImages, false, state_.file_chosen);
+      break;
+    case Dialog::kRestFile:
+      files_.open("Choose the relaxed shape", folder, kSources, false, state_.file_chosen);
       break;
     case Dialog::kImage:
       files_.open("Save picture", folder / (session.source().stem().string() + ".png"), {".png"}, true,

@@ -3,6 +3,7 @@
 // The editor's screen: one frame of the whole user interface between ImGui::NewFrame() and ImGui::Render().
 // Knows no window: a window (main.cpp) or a script (script.h) feeds the events.
 
+#include <array>
 #include <optional>
 
 #include "editor/session/samples.h"
@@ -44,6 +45,7 @@ class Editor {
   void drawMenuBar();
   void drawToolbar();
   void drawTools();
+  void drawLooks();
   void drawStatus();
   void drawBanner(ImVec2 low, float width);
   void drawDialogs();
@@ -57,10 +59,12 @@ class Editor {
   Viewport viewport_;
   Share share_;
   Samples samples_{Samples::usualProgram(), Samples::usualFolder()};
+  SamplePictures sample_pictures_;
   FileDialog files_;
   std::optional<preview::PosedFrame> frame_;
-  uint64_t told_ = 0;      // messages already seen
-  bool two_rows_ = false;  // the toolbar does not fit in one
+  uint64_t told_ = 0;  // messages already seen
+  int tool_rows_ = 1;  // of the toolbar
+  std::array<float, 5> group_widths_{};
 };
 
 }  // namespace furrow::editor::ui

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "editor/ui/character_section.h"
+#include "editor/ui/image_row.h"
+#include "editor/ui/map_section.h"
 #include "editor/ui/widgets.h"
 #include "pipeline/recipe/arkit.h"
 
@@ -111,35 +114,24 @@ void drawList(State& state) {
     moveLayer(session, selected, selected + 1);
 }
 
-using Chosen = std::function<void(const std::filesystem::path&)>;
-
-// A row with an image's name, or `none`, on a button that chooses another.
-void imageRow(State& state, const std::string& id, const char* label, const std::filesystem::path& now,
-              const char* none, const char* tip, Chosen chosen, float spare = 0.0f) {
-  row(label);
-  const float width = ImGui::CalcItemWidth() - spare;
-  const std::string text =
-      now.empty() ? none
-                  : fitted(now.filename().string(), width - 2.0f * ImGui::GetStyle().FramePadding.x, true);
-  if (button(id.c_str(), text.c_str(), tip, true, width)) {
-    state.texture_chosen = std::move(chosen);
-    state.dialog = Dialog::kTexture;
-  }
+// Whether the image was painted here since the recipe was read.
+bool painted(const State& state, const std::filesystem::path& image) {
+  return state.session.document.content().images.contains(image);
 }
 
-// The same with a button that takes the image away.
-void clearableImage(State& state, const std::string& id, const char* label, const std::filesystem::path& now,
-                    const char* none, const char* tip, Chosen chosen,
-                    const std::function<void(LayerRecipe&)>& clear) {
-  const float gap = 4.0f, width = now.empty() ? 0.0f : 3.8f * em();
-  imageRow(state, id, label, now, none, tip, std::move(chosen), now.empty() ? 0.0f : width + gap);
-  if (now.empty()) return;
-  ImGui::SameLine(0.0f, gap);
-  if (button((id + ".clear").c_str(), "Clear", "Take it away", true, width))
-    state.edit(std::string("Clear ") + label, clear);
+void addName(std::vector<std::string>& names, std::string_view name) {
+  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
 }
 
-constexpr const char* kChannels[] = {"r", "g", "b", "a"};
+bool channelRow(const std::string& id, uint32_t& channel) {
+  constexpr const char* kChannels[] = {"r", "g", "b", "a"};
+  int index = static_cast<int>(channel);
+  if (!choice((id + "_channel").c_str(), "  Channel", index, kChannels,
+              "The channel that is read: r, g, b or a"))
+    return false;
+  channel = static_cast<uint32_t>(index);
+  return true;
+}
 
 void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFrame* frame) {
   if (!section("section.response", "Response", "How a squeeze becomes a weight")) return;
@@ -227,271 +219,180 @@ void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFr
     state.edit("Response of " + layer.name, [&](LayerRecipe& edited) { edited.response = response; });
 }
 
+// What a text field and a choice of channel make of a vertex attribute; true when changed.
+bool attributeRows(const std::string& id, std::string& name, uint32_t& channel) {
+  const bool named = field((id + "_attribute").c_str(), "  Attribute", name,
+                           "Name of the vertex attribute, such as COLOR_0") &&
+                     !name.empty();
+  return channelRow(id, channel) || named;
+}
+
 void drawDirection(State& state, const LayerRecipe& layer) {
   if (!section("section.direction", "Direction", "Which way a squeeze raises wrinkles: across the creases"))
     return;
-  constexpr const char* kNames[] = {"Animation",   "Axis",        "Attribute", "Painted / flow image",
-                                    "Wrinkle map", "Guide curves"};
-  const size_t now = std::holds_alternative<pipeline::DirectionAnimation>(layer.direction)   ? 0
-                     : std::holds_alternative<pipeline::DirectionAxis>(layer.direction)      ? 1
-                     : std::holds_alternative<pipeline::DirectionAttribute>(layer.direction) ? 2
-                     : std::holds_alternative<pipeline::DirectionTexture>(layer.direction)   ? 3
-                     : std::holds_alternative<pipeline::DirectionMap>(layer.direction)       ? 4
-                                                                                             : 5;
-  int index = static_cast<int>(now);
+  const auto set = [&](const pipeline::Direction& to) {
+    state.edit("Direction of " + layer.name, [&](LayerRecipe& edited) { edited.direction = to; });
+  };
+  const Chosen chosen = [&state](const std::filesystem::path& file) {
+    state.edit("Flow map", [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionTexture{file}; });
+  };
+  enum Kind { kAnimation, kAxis, kAttribute, kCombed, kImage, kMap, kGuides, kLines };
+  constexpr const char* kNames[] = {"Animation",  "Axis",        "Attribute",    "Combed",
+                                    "Flow image", "Wrinkle map", "Guide curves", "Lines in the file"};
+  const auto* axis = std::get_if<pipeline::DirectionAxis>(&layer.direction);
+  const auto* attribute = std::get_if<pipeline::DirectionAttribute>(&layer.direction);
+  const auto* texture = std::get_if<pipeline::DirectionTexture>(&layer.direction);
+  const auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction);
+  int index = axis                                                              ? kAxis
+              : attribute                                                       ? kAttribute
+              : texture && painted(state, texture->texture)                     ? kCombed
+              : texture                                                         ? kImage
+              : std::holds_alternative<pipeline::DirectionMap>(layer.direction) ? kMap
+              : guides ? guides->lines.empty() ? kGuides : kLines
+                       : kAnimation;
   if (choice(
           "layer.direction", "From", index, kNames,
           "Where the direction comes from: the squeeze of all clips and morph targets, one axis, a vertex "
-          "attribute, an image combed with the comb tool, the layer's own wrinkle map, or curves drawn with "
-          "the guide tool along the creases")) {
-    if (index == 3 || index == 5) {
-      state.tool = index == 3 ? Tool::kComb : Tool::kGuide;  // there is none until something is drawn
-    } else {
-      state.edit("Direction of " + layer.name, [&](LayerRecipe& edited) {
-        if (index == 0) edited.direction = pipeline::DirectionAnimation{};
-        if (index == 1) edited.direction = pipeline::DirectionAxis{{0, 1, 0}};
-        if (index == 2) edited.direction = pipeline::DirectionAttribute{"_DIRECTION"};
-        if (index == 4) edited.direction = pipeline::DirectionMap{};
-      });
-    }
+          "attribute, the comb tool, a flow image of yours, the layer's own wrinkle map, curves drawn with "
+          "the guide tool along the creases, or lines in the glTF file")) {
+    if (index == kAnimation) set(pipeline::DirectionAnimation{});
+    if (index == kAxis) set(pipeline::DirectionAxis{{0, 1, 0}});
+    if (index == kAttribute) set(pipeline::DirectionAttribute{"_DIRECTION"});
+    if (index == kCombed) state.take(Tool::kComb);  // there is none until something is drawn
+    if (index == kImage) chooseImage(state, chosen);
+    if (index == kMap) set(pipeline::DirectionMap{});
+    if (index == kGuides) state.take(Tool::kGuide);
+    if (index == kLines) set(pipeline::DirectionGuides{{}, "guides"});
   }
-  if (const auto* axis = std::get_if<pipeline::DirectionAxis>(&layer.direction)) {
+  if (axis) {
     std::array<double, 3> v = axis->axis;
-    row("Axis x y z");
-    const bool used =
-        ImGui::InputScalarN("##layer.axis", ImGuiDataType_Double, v.data(), 3, nullptr, nullptr, "%.2f");
-    mark("layer.axis");
-    tooltip("Direction across the creases in the scene root's space; any length but 0");
-    if (used && std::hypot(v[0], v[1], v[2]) > 1e-6)
+    if (direction("layer.axis", "Axis x y z", v,
+                  "Direction across the creases in the scene root's space; any length but 0"))
       state.edit("Axis of " + layer.name,
                  [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionAxis{v}; });
-  } else if (const auto* attribute = std::get_if<pipeline::DirectionAttribute>(&layer.direction)) {
+  } else if (attribute) {
     std::string name = attribute->name;
     if (field("layer.direction_attribute", "Attribute", name,
               "Name of a vertex attribute of 3 components that holds the direction") &&
         !name.empty())
-      state.edit("Direction of " + layer.name,
-                 [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionAttribute{name}; });
-  } else if (const auto* texture = std::get_if<pipeline::DirectionTexture>(&layer.direction)) {
-    imageRow(
-        state, "layer.direction_image", "Image", texture->texture, "",
-        "The flow map: red and green hold the direction across the creases. Comb it with the comb tool, or "
-        "choose another",
-        [&state](const std::filesystem::path& file) {
-          state.edit("Flow map",
-                     [&](LayerRecipe& edited) { edited.direction = pipeline::DirectionTexture{file}; });
-        });
-  } else if (const auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction)) {
+      set(pipeline::DirectionAttribute{name});
+  } else if (texture) {
+    imageRow(state, "layer.direction_image", "Image", texture->texture, "",
+             "The flow map: red and green hold the direction across the creases. Comb it with the comb tool, "
+             "or choose another",
+             chosen);
+  } else if (guides && guides->lines.empty()) {
     row("Curves");
-    if (guides->lines.empty())
-      ImGui::TextDisabled("%zu drawn", guides->curves.size());
-    else
-      ImGui::TextDisabled("lines \"%s\"", guides->lines.c_str());
+    ImGui::TextDisabled("%zu drawn", guides->curves.size());
+  } else if (guides) {
+    std::string name = guides->lines;
+    if (field("layer.direction_lines", "Lines", name,
+              "Name of a mesh or node of the glTF file that holds lines along the creases") &&
+        !name.empty())
+      set(pipeline::DirectionGuides{{}, name});
   }
   constexpr const char* kMeasures[] = {"Directional", "Area", "Principal", "None (scripted)"};
   int measure = static_cast<int>(layer.measure);
   if (choice("layer.measure", "Measure", measure, kMeasures,
              "How squeeze is measured: along the direction, by area, by the smallest stretch in any "
-             "direction, or "
-             "not at all (only drivers and the game move the layer)"))
+             "direction, or not at all (only drivers and the game move the layer)"))
     state.edit("Measure of " + layer.name,
                [&](LayerRecipe& edited) { edited.measure = static_cast<Measure>(measure); });
 }
 
-void drawReach(State& state, const LayerRecipe& layer) {
-  if (!section("section.reach", "Mask and bias", "Where the layer reaches, and what is wrinkled at rest"))
-    return;
-  constexpr const char* kMasks[] = {"Automatic", "Whole surface", "Painted / image", "Attribute"};
-  int index = static_cast<int>(layer.mask.index());
-  if (choice(
-          "layer.mask", "Mask", index, kMasks,
-          "How far the layer reaches: faded to where the clips squeeze it, everywhere, painted with the mask "
-          "tool, or a vertex attribute")) {
-    if (index == 2)
-      state.tool = Tool::kMask;
-    else
-      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
-        if (index == 0) edited.mask = pipeline::MaskAuto{};
-        if (index == 1) edited.mask = pipeline::MaskNone{};
-        if (index == 3) edited.mask = pipeline::MaskAttribute{"COLOR_0", 0};
-      });
+// The meshes and materials that the layer lies on: rows only where there is something to choose.
+void drawSurface(State& state, const LayerRecipe& layer) {
+  std::vector<std::string> meshes = layer.meshes, materials = layer.materials;
+  if (state.session.shown())
+    for (const Part& part : state.session.shown()->view().parts) {
+      addName(meshes, part.mesh);
+      addName(materials, part.material);
+    }
+  std::vector<std::string> chosen = layer.meshes;
+  if (meshes.size() > 1 && choices("layer.meshes", "Meshes", chosen, meshes,
+                                   "The meshes that the layer lies on; all, where none is chosen"))
+    state.edit("Meshes of " + layer.name, [&](LayerRecipe& edited) { edited.meshes = chosen; });
+  chosen = layer.materials;
+  if (materials.size() > 1 && choices("layer.materials", "Materials", chosen, materials,
+                                      "The materials that the layer lies on; all, where none is chosen"))
+    state.edit("Materials of " + layer.name, [&](LayerRecipe& edited) { edited.materials = chosen; });
+}
+
+void drawMask(State& state, const LayerRecipe& layer) {
+  const auto set = [&](const pipeline::Mask& to) {
+    state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) { edited.mask = to; });
+  };
+  const Chosen chosen = [&state](const std::filesystem::path& file) {
+    state.edit("Mask", [&](LayerRecipe& edited) { edited.mask = pipeline::MaskTexture{file, 0}; });
+  };
+  const auto* texture = std::get_if<pipeline::MaskTexture>(&layer.mask);
+  const auto* attribute = std::get_if<pipeline::MaskAttribute>(&layer.mask);
+  enum Kind { kAutomatic, kWhole, kPainted, kImage, kAttribute };
+  constexpr const char* kNames[] = {"Automatic", "Whole surface", "Painted", "Image", "Attribute"};
+  int index = attribute                                                ? kAttribute
+              : texture && painted(state, texture->texture)            ? kPainted
+              : texture                                                ? kImage
+              : std::holds_alternative<pipeline::MaskNone>(layer.mask) ? kWhole
+                                                                       : kAutomatic;
+  if (choice("layer.mask", "Mask", index, kNames,
+             "How far the layer reaches: faded to where the clips squeeze it, everywhere, painted with the "
+             "mask tool, an image of yours, or a vertex attribute")) {
+    if (index == kAutomatic) set(pipeline::MaskAuto{});
+    if (index == kWhole) set(pipeline::MaskNone{});
+    if (index == kPainted) state.take(Tool::kMask);
+    if (index == kImage) chooseImage(state, chosen);
+    if (index == kAttribute) set(pipeline::MaskAttribute{"COLOR_0", 0});
   }
-  if (const auto* texture = std::get_if<pipeline::MaskTexture>(&layer.mask)) {
-    int channel = static_cast<int>(texture->channel);
+  if (texture && index != kPainted) {
+    pipeline::MaskTexture next = *texture;
     imageRow(state, "layer.mask_image", "  Image", texture->texture, "",
-             "The mask: white is where the layer reaches. Paint it with the mask tool, or choose another",
-             [&state](const std::filesystem::path& file) {
-               state.edit("Mask", [&](LayerRecipe& edited) { edited.mask = pipeline::MaskTexture{file, 0}; });
-             });
-    if (choice("layer.mask_channel", "  Channel", channel, kChannels, "Channel of the image: r, g, b or a"))
-      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
-        std::get<pipeline::MaskTexture>(edited.mask).channel = static_cast<uint32_t>(channel);
-      });
-  } else if (const auto* attribute = std::get_if<pipeline::MaskAttribute>(&layer.mask)) {
-    std::string name = attribute->name;
-    int channel = static_cast<int>(attribute->channel);
-    if (field("layer.mask_attribute", "  Attribute", name, "Name of the vertex attribute, such as COLOR_0") &&
-        !name.empty())
-      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
-        edited.mask = pipeline::MaskAttribute{name, static_cast<uint32_t>(channel)};
-      });
-    if (choice("layer.mask_channel", "  Channel", channel, kChannels,
-               "Channel of the attribute: r, g, b or a"))
-      state.edit("Mask of " + layer.name, [&](LayerRecipe& edited) {
-        edited.mask = pipeline::MaskAttribute{name, static_cast<uint32_t>(channel)};
-      });
+             "The mask: white is where the layer reaches; click to choose another", chosen);
+    if (channelRow("layer.mask", next.channel)) set(next);
+  } else if (attribute) {
+    pipeline::MaskAttribute next = *attribute;
+    if (attributeRows("layer.mask", next.name, next.channel)) set(next);
   }
-  // A vertex attribute is named in the recipe.
-  const std::filesystem::path bias = !layer.bias ? std::filesystem::path()
-                                     : layer.bias->texture.empty()
-                                         ? std::filesystem::path(layer.bias->attribute)
-                                         : layer.bias->texture;
-  clearableImage(
-      state, "layer.bias", "Rest bias", bias, "None: choose ...",
-      "What is wrinkled at rest: black never, mid grey as it is squeezed, white always. Paint it with the "
-      "bias "
-      "tool, or choose an image",
-      [&state](const std::filesystem::path& file) {
-        state.edit("Rest bias", [&](LayerRecipe& edited) { edited.bias = pipeline::Bias{{}, 0, 0.5, file}; });
-      },
-      [](LayerRecipe& edited) { edited.bias.reset(); });
 }
 
-std::string mapPrefix(bool stretch) {
-  return stretch ? "stretch" : "compress";
-}
-
-void setMap(State& state, const LayerRecipe& layer, bool stretch, const std::string& what,
-            const pipeline::Map& value) {
-  state.edit(what + " of " + layer.name,
-             [&](LayerRecipe& edited) { (stretch ? edited.stretch : edited.compress) = value; });
-}
-
-// `unit`: the diagonal of the character, to which the ranges of lengths belong.
-void drawSynthesis(State& state, const LayerRecipe& layer, bool stretch, float unit,
-                   const pipeline::MapSynthesized& made) {
-  const std::string prefix = mapPrefix(stretch);
-  pipeline::MapSynthesized next = made;
-  const auto set = [&](const std::string& what) { setMap(state, layer, stretch, what, next); };
-  constexpr const char* kPresets[] = {"Automatic", "Skin", "Skin, fine", "Cloth", "Cloth, puckers"};
-  int preset = next.preset ? 1 + static_cast<int>(*next.preset) : 0;
-  if (choice((prefix + ".preset").c_str(), "Preset", preset, kPresets,
-             "Narrow valleys, fine lines, round folds or short bulges; automatic: skin if morph targets "
-             "squeeze the layer, cloth if only joints do")) {
-    next.preset.reset();
-    if (preset > 0) next.preset = static_cast<pipeline::Preset>(preset - 1);
-    set("Preset");
-  }
-  // What the cook worked out is where the slider begins.
-  const pipeline::MapSynthesized* resolved = nullptr;
-  for (const LayerRecipe& other : state.session.resolved().layers)
-    if (other.name == layer.name)
-      resolved = std::get_if<pipeline::MapSynthesized>(stretch ? &other.stretch : &other.compress);
-  const auto length = [&](const char* id, const char* label, double& value, double worked_out, float low,
-                          float high, const char* tip) {
-    float shown = static_cast<float>(value > 0.0 ? value : worked_out);
-    if (slider((prefix + id).c_str(), label, shown, low * unit, high * unit,
-               value > 0.0 ? "%.4g" : "%.4g (auto)", tip, ImGuiSliderFlags_Logarithmic)) {
-      value = double{shown};
-      set(label);
-    }
-    if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value > 0.0) {
-      value = 0.0;
-      set(label);
-    }
+void drawBias(State& state, const LayerRecipe& layer) {
+  const auto set = [&](const std::optional<pipeline::Bias>& to) {
+    state.edit("Rest bias of " + layer.name, [&](LayerRecipe& edited) { edited.bias = to; });
   };
-  length(".spacing", "Spacing", next.spacing, resolved ? resolved->spacing : 0.0, 0.002f, 0.2f,
-         "From ridge to ridge, in the file's unit of length, 0.2% to 20% of the character's size. Right "
-         "click: automatic");
-  length(".depth", "Depth", next.depth, resolved ? resolved->depth : 0.0, 0.0001f, 0.05f,
-         "From valley to ridge, in the file's unit of length, 0.01% to 5% of the character's size. Right "
-         "click: automatic");
-  int seed = static_cast<int>(next.seed);
-  if (integer((prefix + ".seed").c_str(), "Seed", seed, 0, 999999,
-              "Another number gives another pattern, 0 to 999999")) {
-    next.seed = static_cast<uint32_t>(seed);
-    set("Seed");
-  }
-}
-
-// `unit`: as drawSynthesis() takes it.
-void drawMap(State& state, const LayerRecipe& layer, bool stretch, float unit) {
-  const std::string prefix = mapPrefix(stretch);
-  const pipeline::Map& map = stretch ? layer.stretch : layer.compress;
-  if (!section(("section." + prefix).c_str(), stretch ? "Stretch map" : "Compress map",
-               stretch ? "The wrinkles where the surface is stretched"
-                       : "The wrinkles where the surface is squeezed",
-               !stretch))
-    return;
-  const auto set = [&](const std::string& what, const pipeline::Map& value) {
-    setMap(state, layer, stretch, what, value);
+  const Chosen chosen = [&state](const std::filesystem::path& file) {
+    state.edit("Rest bias", [&](LayerRecipe& edited) { edited.bias = pipeline::Bias{{}, 0, 0.5, file}; });
   };
-  // An image for a map of the kind of `value`.
-  const auto chosen = [&](const pipeline::Map& value) -> Chosen {
-    return [&state, stretch, value](const std::filesystem::path& file) {
-      state.edit("Map", [&](LayerRecipe& edited) {
-        pipeline::Map& of = stretch ? edited.stretch : edited.compress;
-        if (of.index() != value.index()) of = value;
-        if (auto* normal = std::get_if<pipeline::MapNormal>(&of)) normal->texture = file;
-        if (auto* height = std::get_if<pipeline::MapHeight>(&of)) height->texture = file;
-      });
-    };
-  };
-  constexpr const char* kKinds[] = {"None", "Normal map", "Height map", "Synthesised"};
-  int kind = static_cast<int>(map.index());
-  if (choice((prefix + ".kind").c_str(), "From", kind, kKinds,
-             "A map made from the direction field, a normal or height map of yours, or none")) {
-    if (kind == 0) set("Map", pipeline::MapNone{});
-    if (kind == 3) set("Map", pipeline::MapSynthesized{});
-    if (kind == 1 || kind == 2) {
-      state.texture_chosen =
-          chosen(kind == 1 ? pipeline::Map(pipeline::MapNormal{}) : pipeline::Map(pipeline::MapHeight{}));
-      state.dialog = Dialog::kTexture;
-    }
+  enum Kind { kNone, kPainted, kImage, kAttribute };
+  constexpr const char* kNames[] = {"None", "Painted", "Image", "Attribute"};
+  int index = !layer.bias                           ? kNone
+              : layer.bias->texture.empty()         ? kAttribute
+              : painted(state, layer.bias->texture) ? kPainted
+                                                    : kImage;
+  if (choice(
+          "layer.bias", "Rest bias", index, kNames,
+          "What is wrinkled at rest: nothing, what is painted with the bias tool, an image of yours (black "
+          "never, mid grey as it is squeezed, white always), or a vertex attribute")) {
+    if (index == kNone) set(std::nullopt);
+    if (index == kPainted) state.take(Tool::kBias);
+    if (index == kImage) chooseImage(state, chosen);
+    if (index == kAttribute) set(pipeline::Bias{"COLOR_0", 0, 0.5, {}});
   }
-  if (const auto* normal = std::get_if<pipeline::MapNormal>(&map)) {
-    imageRow(state, prefix + ".image", "Image", normal->texture, "",
-             "A tangent-space normal map of the wrinkles alone; click to choose another", chosen(map));
-    constexpr const char* kGreens[] = {"Up (OpenGL)", "Down (DirectX)"};
-    int green = static_cast<int>(normal->green);
-    if (choice((prefix + ".green").c_str(), "Green points", green, kGreens,
-               "Which way the green channel points: up as in Blender and glTF, down as in Unreal. Wrong, and "
-               "ridges look like valleys")) {
-      pipeline::MapNormal next = *normal;
-      next.green = static_cast<pipeline::Green>(green);
-      set("Green", next);
-    }
+  if (!layer.bias || index == kPainted) return;
+  pipeline::Bias next = *layer.bias;
+  bool changed = false;
+  if (next.texture.empty()) {
+    changed = attributeRows("layer.bias", next.attribute, next.channel);
+  } else {
+    imageRow(state, "layer.bias_image", "  Image", next.texture, "",
+             "The bias: black never wrinkles, white always; click to choose another", chosen);
+    changed = channelRow("layer.bias", next.channel);
   }
-  if (const auto* height = std::get_if<pipeline::MapHeight>(&map)) {
-    imageRow(state, prefix + ".image", "Image", height->texture, "",
-             "Heights of the wrinkles, white is up; click to choose another", chosen(map));
-    float depth = static_cast<float>(height->depth);
-    if (slider((prefix + ".height_depth").c_str(), "Depth", depth, 0.0f, 0.05f * unit,
-               depth > 0.0f ? "%.4g" : "auto",
-               "From black to white, in the file's unit of length, up to 5% of the character's size; 0: "
-               "automatic")) {
-      pipeline::MapHeight next = *height;
-      next.depth = double{depth};
-      set("Depth", next);
-    }
+  float neutral = static_cast<float>(next.neutral);
+  if (slider("layer.bias_neutral", "  Neutral", neutral, 0.0f, 1.0f, "%.3f",
+             "The value that leaves the weight alone, 0 black to 1 white; painted images have 0.5")) {
+    next.neutral = double{neutral};
+    changed = true;
   }
-  if (!std::holds_alternative<pipeline::MapNone>(map))
-    clearableImage(
-        state, prefix + ".shading", "Alpha shading",
-        (stretch ? layer.stretch_finish : layer.compress_finish).shading.value_or(std::filesystem::path()),
-        "From the relief",
-        "How dark creases are by the alpha-shading method: worked out from the relief, or an image of yours; "
-        "click to choose one",
-        [&state, stretch](const std::filesystem::path& file) {
-          state.edit("Alpha-shading map", [&](LayerRecipe& edited) {
-            (stretch ? edited.stretch_finish : edited.compress_finish).shading = file;
-          });
-        },
-        [stretch](LayerRecipe& edited) {
-          (stretch ? edited.stretch_finish : edited.compress_finish).shading.reset();
-        });
-  if (const auto* made = std::get_if<pipeline::MapSynthesized>(&map))
-    drawSynthesis(state, layer, stretch, unit, *made);
+  if (changed) set(next);
 }
 
 void drawDrivers(State& state, const LayerRecipe& layer) {
@@ -527,8 +428,7 @@ void drawDrivers(State& state, const LayerRecipe& layer) {
   }
   std::vector<std::string> names;
   if (state.session.shown())
-    for (const Morph& morph : state.session.shown()->view().morphs)
-      if (std::find(names.begin(), names.end(), morph.name) == names.end()) names.emplace_back(morph.name);
+    for (const Morph& morph : state.session.shown()->view().morphs) addName(names, morph.name);
   if (names.empty()) {
     ImGui::TextDisabled("the character has no morph targets");
     return;
@@ -592,11 +492,16 @@ void drawLayerPanel(State& state, const preview::PosedFrame* frame) {
   }
   const float unit = session.shown() ? diagonalOf(session.shown()->view()) : 1.0f;
   drawResponse(state, layer, frame);
-  drawReach(state, layer);
+  if (section("section.reach", "Mask and bias", "Where the layer reaches, and what is wrinkled at rest")) {
+    drawSurface(state, layer);
+    drawMask(state, layer);
+    drawBias(state, layer);
+  }
   drawDirection(state, layer);
-  drawMap(state, layer, false, unit);
-  drawMap(state, layer, true, unit);
+  drawMapSection(state, layer, false, unit);
+  drawMapSection(state, layer, true, unit);
   drawDrivers(state, layer);
+  drawCharacterSection(state, frame, unit);
   ImGui::EndChild();
 }
 

@@ -31,4 +31,19 @@ void State::edit(const std::string& what, const std::function<void(pipeline::Lay
   session.document.apply(std::move(content), what);
 }
 
+void State::editAll(const std::string& what, const std::function<void(pipeline::Recipe&)>& change) {
+  if (!session.editable()) return;
+  Content content = session.document.content();
+  change(content.recipe);
+  session.document.apply(std::move(content), what);
+}
+
+void State::take(Tool to) {
+  constexpr preview::View kViews[] = {preview::View::kBeauty, preview::View::kBias, preview::View::kMask,
+                                      preview::View::kDirection, preview::View::kDirection};
+  tool = to;
+  cursor.reset();
+  looks[0].view = static_cast<int>(kViews[static_cast<size_t>(to)]);
+}
+
 }  // namespace furrow::editor::ui

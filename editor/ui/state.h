@@ -40,7 +40,7 @@ struct Drawn {
   preview::StageTimes times;
 };
 
-enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage, kTexture };
+enum class Dialog : uint8_t { kNone, kOpen, kSaveAs, kCookTo, kTake, kCompare, kImage, kTexture, kRestFile };
 
 struct State {
   State(Session& of, Settings& kept) : session(of), settings(kept), scale(kept.scale) {}
@@ -67,7 +67,7 @@ struct State {
 
   bool keys_shown = false, problems_shown = false;
   Dialog dialog = Dialog::kNone;
-  std::function<void(const std::filesystem::path&)> texture_chosen;  // what Dialog::kTexture is for
+  std::function<void(const std::filesystem::path&)> file_chosen;  // what kTexture and kRestFile are for
   // What waits until the artist has said what becomes of unsaved work.
   std::function<void()> leaving;
   bool quit = false;
@@ -77,8 +77,10 @@ struct State {
   uint32_t assetLayer(const Shown& shown) const;
   // A message with the files beside what is open named without their folder.
   std::string brief(std::string text) const;
-  // Edits the selected layer of the document.
+  // Edits the selected layer of the document, or what holds for all layers.
   void edit(const std::string& what, const std::function<void(pipeline::LayerRecipe&)>& change);
+  void editAll(const std::string& what, const std::function<void(pipeline::Recipe&)>& change);
+  void take(Tool to);  // with the view that shows what it changes
 };
 
 }  // namespace furrow::editor::ui

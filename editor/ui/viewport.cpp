@@ -200,6 +200,13 @@ void panCamera(preview::Camera& camera, float right, float up) {
   camera.target = {camera.target.x + move.x, camera.target.y + move.y, camera.target.z + move.z};
 }
 
+void zoomCamera(preview::Camera& camera, float steps, float right, float up) {
+  const float before = camera.distance;
+  camera.distance = std::clamp(before / std::pow(kZoomStep, steps), kNearest, kFarthest);
+  const float moved = before / camera.distance - 1.0f;
+  panCamera(camera, moved * right, moved * up);
+}
+
 Viewport::Viewport() : paint_(std::make_unique<PaintTool>()) {}
 Viewport::~Viewport() = default;
 
@@ -241,7 +248,7 @@ void Viewport::frameLayer(State& state, const preview::PosedFrame& frame) {
   fit(state, frame, reached);
 }
 
-void Viewport::moveCamera(State& state, ImVec2 size, bool hovered) {
+void Viewport::moveCamera(State& state, ImVec2 low, ImVec2 size, bool hovered) {
   const ImGuiIO& io = ImGui::GetIO();
   preview::Camera& camera = state.camera;
   const bool looking = state.tool == Tool::kLook || io.KeyAlt;
@@ -261,7 +268,8 @@ void Viewport::moveCamera(State& state, ImVec2 size, bool hovered) {
     if (io.KeyCtrl && state.tool != Tool::kLook)
       state.brush.size = std::clamp(state.brush.size * std::pow(kZoomStep, io.MouseWheel), 0.002f, 0.5f);
     else
-      camera.distance = std::clamp(camera.distance / std::pow(kZoomStep, io.MouseWheel), kNearest, kFarthest);
+      zoomCamera(camera, io.MouseWheel, (io.MousePos.x - low.x - 0.5f * size.x) / size.y,
+                 (low.y + 0.5f * size.y - io.MousePos.y) / size.y);
   }
 }
 
@@ -327,7 +335,7 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   list->PopClipRect();
   if (!taken || ImGui::GetIO().KeyAlt || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
       ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::GetIO().MouseWheel != 0.0f)
-    moveCamera(state, size, hovered);
+    moveCamera(state, low, size, hovered);
   drawLabels(state, low, high);
   drawHint(state, low, high);
 }
@@ -441,6 +449,9 @@ void Viewport::drawLabels(const State& state, ImVec2 low, ImVec2 high) const {
       text += "  \xc2\xb7  " + state.layer;
     if (side == 1 && look.compared && !state.session.compared().empty())
       text += "  \xc2\xb7  " + state.session.compared().filename().string();
+    const float room =
+        (state.split ? (side == 0 ? middle - low.x : high.x - middle) : high.x - low.x) - 2.0f * pad;
+    text = fitted(text, std::max(room, 2.0f * em()));
     const ImVec2 extent = ImGui::CalcTextSize(text.c_str());
     const float x = state.split && side == 0 ? middle - extent.x - 2.0f * pad - pad * 0.5f
                     : state.split            ? middle + pad * 0.5f + pad * 0.5f
@@ -451,7 +462,8 @@ void Viewport::drawLabels(const State& state, ImVec2 low, ImVec2 high) const {
                         IM_COL32(14, 15, 17, 170), 0.3f * em());
     list->AddText(at, Colors::kText, text.c_str());
     drawLegend(state, look,
-               {side == 1 || !state.split ? high.x - 11.0f * em() : low.x + pad, high.y - 4.4f * em()});
+               {side == 1 || !state.split ? std::max(high.x - 11.0f * em(), low.x + pad) : low.x + pad,
+                high.y - 4.4f * em()});
   }
 }
 

@@ -55,6 +55,8 @@ struct Projection {
 float viewHeight(const preview::Camera& camera);
 // Moves the camera and what it looks at, in heights of the picture.
 void panCamera(preview::Camera& camera, float right, float up);
+// Nearer by steps of the wheel; what is at a place of the picture, in its heights from the middle, stays.
+void zoomCamera(preview::Camera& camera, float steps, float right, float up);
 
 class Viewport {
  public:
@@ -70,7 +72,7 @@ class Viewport {
   void contextLost();
 
  private:
-  void moveCamera(State& state, ImVec2 size, bool hovered);
+  void moveCamera(State& state, ImVec2 low, ImVec2 size, bool hovered);
   void drawLabels(const State& state, ImVec2 low, ImVec2 high) const;
   void drawCooking(const State& state, ImVec2 low, ImVec2 high) const;
   void drawHint(const State& state, ImVec2 low, ImVec2 high) const;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -145,7 +146,7 @@ void mark(const char* id) {
   mark(id, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
 }
 void mark(const char* id, ImVec2 low, ImVec2 high) {
-  marks().now[id] = {low, high};
+  if (ImGui::IsRectVisible(low, high)) marks().now[id] = {low, high};
 }
 
 std::optional<Rect> find(const std::string& id) {
@@ -209,7 +210,8 @@ std::string fitted(std::string text, float width, bool keep_end) {
 void row(const char* label) {
   const float left = ImGui::GetCursorPosX(), width = ImGui::GetContentRegionAvail().x;
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(fitted(label, width * kLabelShare - 4.0f, true).c_str());
+  const bool is_name = std::string_view(label).find(' ') == std::string_view::npos;
+  ImGui::TextUnformatted(fitted(label, width * kLabelShare - 4.0f, is_name).c_str());
   ImGui::SameLine(left + width * kLabelShare);
   ImGui::SetNextItemWidth(width * (1.0f - kLabelShare));
 }
@@ -294,6 +296,47 @@ bool choice(const char* id, const char* label, std::string& value, std::span<con
   }
   if (!choice(id, label, index, texts, tip)) return false;
   value = names[static_cast<size_t>(index)];
+  return true;
+}
+
+bool choices(const char* id, const char* label, std::vector<std::string>& chosen,
+             std::span<const std::string> names, const char* tip) {
+  row(label);
+  const std::string text = chosen.empty()       ? "All"
+                           : chosen.size() == 1 ? chosen.front()
+                                                : std::to_string(chosen.size()) + " chosen";
+  const bool open = ImGui::BeginCombo(hidden(id).c_str(), text.c_str());
+  if (!open) return done(id, tip, false);
+  bool used = false;
+  const auto item = [&](const std::string& name, const std::string& part, bool on) {
+    const bool clicked = ImGui::MenuItem(name.c_str(), nullptr, on);
+    mark((std::string(id) + "." + part).c_str());
+    used |= clicked;
+    return clicked;
+  };
+  ImGui::PushItemFlag(ImGuiItemFlags_SelectableDontClosePopup, true);
+  if (item("All##all", "(all)", chosen.empty())) chosen.clear();
+  ImGui::Separator();
+  for (const std::string& name : names) {
+    const auto found = std::find(chosen.begin(), chosen.end(), name);
+    if (!item(name, name, found != chosen.end())) continue;
+    if (found == chosen.end())
+      chosen.push_back(name);
+    else
+      chosen.erase(found);
+  }
+  ImGui::PopItemFlag();
+  ImGui::EndCombo();
+  return used;
+}
+
+bool direction(const char* id, const char* label, std::array<double, 3>& value, const char* tip) {
+  row(label);
+  std::array<double, 3> next = value;
+  const bool used =
+      ImGui::InputScalarN(hidden(id).c_str(), ImGuiDataType_Double, next.data(), 3, nullptr, nullptr, "%.2f");
+  if (!done(id, tip, used) || !(std::hypot(next[0], next[1], next[2]) > 1e-6)) return false;
+  value = next;
   return true;
 }
 

@@ -5,9 +5,11 @@
 
 #include <imgui.h>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace furrow::editor::ui {
 
@@ -29,7 +31,7 @@ ImFont* titleFont();
 // ---- where things are ----
 
 void beginFrame();          // forgets where things were
-void mark(const char* id);  // the last item
+void mark(const char* id);  // the last item; what is scrolled out of sight is nowhere
 void mark(const char* id, ImVec2 low, ImVec2 high);
 struct Rect {
   ImVec2 low, high;
@@ -61,8 +63,12 @@ bool choice(const char* id, const char* label, int& index, std::span<const char*
             const char* tip);
 bool choice(const char* id, const char* label, std::string& value, std::span<const std::string> names,
             const char* tip);
+// Which of some names; empty means all. A click on a name chooses it alone, adds it or takes it away.
+bool choices(const char* id, const char* label, std::vector<std::string>& chosen,
+             std::span<const std::string> names, const char* tip);
+bool direction(const char* id, const char* label, std::array<double, 3>& value, const char* tip);  // never 0
 bool field(const char* id, const char* label, std::string& value, const char* tip);  // on Enter or leaving
-// Of labels that are too long the end shows: names of morph targets differ there.
+// Of names that are too long the end shows: those of morph targets differ there.
 void row(const char* label);  // the label alone; the next item fills the right column
 
 // A heading inside a panel; true while it is open.

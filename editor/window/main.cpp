@@ -8,11 +8,14 @@
 #include <imgui_impl_opengl3.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <charconv>
 #include <cstdio>
+#include <functional>
 
 #include "editor/preview/headless_context.h"
 #include "editor/ui/headless_screen.h"
+#include "editor/ui/input_queue.h"
 #include "editor/ui/widgets.h"
 #include "pipeline/error.h"
 #include "pipeline/input_file.h"
@@ -92,7 +95,8 @@ class Window {
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     ImGui::CreateContext();
-    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplGlfw_InitForOpenGL(window_, false);
+    listen();
     ui::setUpImgui();
     ImGui_ImplOpenGL3_Init("#version 330 core");
   }
@@ -117,11 +121,14 @@ class Window {
     return width > 0 && pixels > 0 ? x * static_cast<float>(width) / static_cast<float>(pixels) : x;
   }
 
-  void begin(bool poll) {
-    if (poll) glfwPollEvents();
+  void begin() {
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    input_.apply(ImGui::GetIO());
   }
+  bool pending() const { return !input_.empty(); }  // events for another frame
+
+  std::function<void(const char* file)> dropped;
 
   void end() {
     ImGui::Render();
@@ -151,7 +158,43 @@ class Window {
   }
 
  private:
+  static Window& of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
+
+  // A letter is the one that the keyboard's layout has there.
+  static int keyOf(int key, int scancode) {
+    const char* name = glfwGetKeyName(key, scancode);
+    if (!name || !std::isalpha(static_cast<unsigned char>(name[0])) || name[1] != 0) return key;
+    return std::toupper(static_cast<unsigned char>(name[0]));
+  }
+
+  void listen() {
+    glfwSetWindowUserPointer(window_, this);
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int) {
+      if (action != GLFW_REPEAT) of(window).input_.key(keyOf(key, scancode), action == GLFW_PRESS);
+    });
+    glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned c) { of(window).input_.text(c); });
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int) {
+      of(window).input_.button(button, action == GLFW_PRESS);
+    });
+    glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+      of(window).input_.pointer({static_cast<float>(x), static_cast<float>(y)});
+    });
+    glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int entered) {
+      if (!entered) of(window).input_.pointerLeft();
+    });
+    glfwSetScrollCallback(window_, [](GLFWwindow* window, double x, double y) {
+      of(window).input_.wheel(static_cast<float>(x), static_cast<float>(y));
+    });
+    glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int focused) {
+      if (!focused) of(window).input_.release();
+    });
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** files) {
+      if (count > 0) of(window).dropped(files[0]);
+    });
+  }
+
   GLFWwindow* window_ = nullptr;
+  ui::InputQueue input_;
 };
 
 void start(ui::Editor& editor, Session& session, const Options& options) {
@@ -220,10 +263,7 @@ class Desktop {
   void appear() {
     scale_ = 0.0f;
     rescale();
-    glfwSetWindowUserPointer(window_->handle(), &editor);
-    glfwSetDropCallback(window_->handle(), [](GLFWwindow* dropped, int count, const char** files) {
-      if (count > 0) static_cast<ui::Editor*>(glfwGetWindowUserPointer(dropped))->drop(files[0]);
-    });
+    window_->dropped = [this](const char* file) { editor.drop(file); };
   }
 
   Settings& settings_;
@@ -251,7 +291,8 @@ void runWindow(const Options& options, Settings& settings) {
       const ImVec2 pointer = io.MousePos;
       const bool buttons[3] = {io.MouseDown[0], io.MouseDown[1], io.MouseDown[2]};
       const bool ctrl = io.KeyCtrl, shift = io.KeyShift, alt = io.KeyAlt;
-      desktop.window().begin(true);
+      glfwPollEvents();
+      desktop.window().begin();
       io.MousePos = pointer;
       std::copy(buttons, buttons + 3, io.MouseDown);
       io.KeyCtrl = ctrl;
@@ -275,7 +316,7 @@ void runWindow(const Options& options, Settings& settings) {
   double before = glfwGetTime();
   std::string title;
   while (!editor.quit()) {
-    if (editor.busy())
+    if (editor.busy() || desktop.window().pending())
       glfwPollEvents();
     else
       glfwWaitEventsTimeout(kIdle);
@@ -286,7 +327,7 @@ void runWindow(const Options& options, Settings& settings) {
     }
     desktop.rescale();
     const double now = glfwGetTime();
-    desktop.window().begin(false);
+    desktop.window().begin();
     ImGui::NewFrame();
     try {
       editor.frame(now - before);

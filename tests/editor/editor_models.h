@@ -10,7 +10,7 @@
 
 namespace furrow::test {
 
-inline std::string editorSheet() {
+inline GltfBuilder editorSheetBuilder() {
   constexpr uint32_t n = 24;
   std::vector<float> positions, uvs, deltas;
   std::vector<uint32_t> indices;
@@ -31,12 +31,32 @@ inline std::string editorSheet() {
   builder.add(deltas, "VEC3", 3);
   builder.add(std::vector<float>{0.0f, 1.0f}, "SCALAR", 1);
   builder.add(std::vector<float>{0.0f, 1.0f}, "SCALAR", 1);
-  return builder.glb(
-      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"materials":[{"name":"cloth"}],)"
-      R"("animations":[{"name":"go","samplers":[{"input":4,"output":5}],)"
-      R"("channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}],)"
+  return builder;
+}
+
+inline constexpr const char* kEditorClip =
+    R"("animations":[{"name":"go","samplers":[{"input":4,"output":5}],)"
+    R"("channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}],)";
+
+inline std::string editorSheet() {
+  return editorSheetBuilder().glb(
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"materials":[{"name":"cloth"}],)" +
+      std::string(kEditorClip) +
       R"("meshes":[{"name":"Sheet","extras":{"targetNames":["squeeze"]},"primitives":[{"material":0,)"
       R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
+}
+
+// Two of them side by side: mesh "Face" of material "skin" and mesh "Coat" of material "cloth".
+inline std::string editorPair() {
+  const auto mesh = [](const char* name, int material) {
+    return std::string(R"({"name":")") + name +
+           R"(","extras":{"targetNames":["squeeze"]},"primitives":[{"material":)" + std::to_string(material) +
+           R"(,"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]})";
+  };
+  return editorSheetBuilder().glb(
+      R"("scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0},{"mesh":1,"translation":[1.2,0,0]}],)"
+      R"("materials":[{"name":"skin"},{"name":"cloth"}],)" +
+      std::string(kEditorClip) + "\"meshes\":[" + mesh("Face", 0) + "," + mesh("Coat", 1) + "]");
 }
 
 // Small maps cook fast.

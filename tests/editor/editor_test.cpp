@@ -89,7 +89,11 @@ class EditorTest : public ToolTest {
   }
 };
 
+// Without the last message, which is another after a loss.
 constexpr const char* kLooks = R"(
+key Ctrl+J
+click problems.clear
+key Ctrl+J
 drag morph.squeeze 0.05 0.5 0.9 0.5
 picture squeezed
 key 2
@@ -217,6 +221,51 @@ expect no error
   EXPECT_NE(text.find("\"brows\""), std::string::npos) << text;
   EXPECT_EQ(text.find("\"wrinkles\""), std::string::npos) << text;
   EXPECT_EQ(text.find("\"beta\": 4.0 }, \"mask\": \"none\""), std::string::npos) << text;
+}
+
+TEST_F(EditorTest, WorkThatCannotBeSavedIsNotLost) {
+  fs::create_directory(folder() / "hero.json");  // where the recipe should go
+  write("hero.glb", editorSheet());
+  expectPlaysInFolder(R"(
+open @/hero.glb
+wait
+drag layer.beta 0.4 0.5 0.7 0.5
+open @/sheet.glb
+click leave.save
+expect widget leave.problem
+expect message "hero.json"
+expect dirty
+click leave.cancel
+expect layers wrinkles
+key Ctrl+Shift+S
+key Ctrl+A
+type saved.json
+key Enter
+expect saved
+)");
+  EXPECT_NE(readText(folder() / "hero.json" / "saved.json").find("\"beta\""), std::string::npos);
+}
+
+TEST_F(EditorTest, ASmallWindowHidesNoTool) {
+  const std::string script = sheet() + R"(
+click tool.tool.bias
+frames 2
+expect widget brush.size
+expect widget brush.bias
+expect widget tool.brush.erase
+expect widget look.tier
+expect widget status.message
+click tool.view.split
+frames 2
+expect widget look2.tier
+expect widget tool.view.split
+picture narrow
+)";
+  const Outcome outcome = run({"--script", write("script.txt", script), "--frames", output(), "--size",
+                               "800x600", "--backend", "cpu"},
+                              FURROW_EDITOR);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expectStored("narrow");
 }
 
 TEST_F(EditorTest, AFaultShowsInTheListAndTheLastGoodStateStays) {
@@ -448,9 +497,23 @@ TEST_F(EditorTest, ImagesAreChosenForMapsMasksAndBias) {
 click section.response
 click section.direction
 click layer.bias
+click layer.bias.Image
 type heights.png
 key Enter
-click layer.bias.clear
+expect widget layer.bias_image
+click layer.bias
+click layer.bias.None
+click layer.mask
+click layer.mask.Image
+type sheet.glb#creases
+key Enter
+wait
+expect message "creases"
+click layer.mask_image
+type heights.png
+key Enter
+wait
+click problems.clear
 click section.reach
 click compress.kind
 click "compress.kind.Normal map"
@@ -478,9 +541,115 @@ expect saved
 expect no error
 )~");
   const std::string text = readText(folder() / "sheet.json");
-  for (const char* part : {"\"normals.png\"", "\"heights.png\"", "\"green\"", "\"height\""})
+  for (const char* part :
+       {"\"normals.png\"", "\"mask\": { \"texture\": \"heights.png\"", "\"green\"", "\"height\""})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   EXPECT_EQ(text.find("\"bias\""), std::string::npos) << text;
+}
+
+// Every key of a recipe but `drivers[].curve` can be edited.
+TEST_F(EditorTest, ALayersMeshesAndMaterialsAreChosen) {
+  write("pair.glb", editorPair());
+  write("pair.json", kEditorRecipe);
+  expectPlaysInFolder(R"(
+open @/pair.glb
+wait
+click section.response
+click layer.meshes
+click layer.meshes.Coat
+click layer.meshes.Face
+click layer.meshes.Face
+key Escape
+click layer.materials
+click layer.materials.cloth
+key Escape
+wait
+key 5
+click look.view
+click look.view.Weight
+key Ctrl+S
+expect saved
+expect no error
+)");
+  std::string text = readText(folder() / "pair.json");
+  EXPECT_NE(text.find("\"meshes\": [\"Coat\"]"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"materials\": [\"cloth\"]"), std::string::npos) << text;
+  expectPlaysInFolder(R"~(
+open @/pair.glb
+wait
+click section.response
+click layer.meshes
+click "layer.meshes.(all)"
+key Escape
+key Ctrl+S
+expect saved
+expect no error
+)~");
+  text = readText(folder() / "pair.json");
+  EXPECT_EQ(text.find("\"meshes\""), std::string::npos) << text;
+}
+
+TEST_F(EditorTest, RestPoseWeldAndSizesOfMapsAreChosen) {
+  write("relaxed.obj", "v 0 0 0\n");
+  expectPlaysInFolder(sheet() + R"(
+click section.response
+click section.reach
+click section.direction
+click section.compress
+click section.stretch
+click section.character
+wheel layer.name -40
+click rest
+click "rest.Clip, as shown"
+drag rest.time 0.05 0.5 0.5 0.5
+wait
+drag morph.squeeze 0.05 0.5 0.5 0.5
+click rest
+click "rest.Morph targets, as shown"
+wait
+drag weld 0.05 0.5 0.5 0.5
+click map_size
+click map_size.256
+wheel map_size -40
+click preview_size
+click "preview_size.Left out"
+wait
+key Ctrl+S
+expect saved
+expect no error
+click rest
+click "rest.File ..."
+type relaxed.obj
+key Enter
+wait
+expect message "relaxed.obj"
+)");
+  const std::string text = readText(folder() / "sheet.json");
+  for (const char* part :
+       {"\"morphs\": { \"squeeze\": 0.", "\"tolerance\": 0.0", "\"mapSize\": 256", "\"previewSize\": 0"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+}
+
+TEST_F(EditorTest, AttributesLinesLightAndLimitReachTheRecipe) {
+  expectPlays(sheet() + R"(
+click section.response
+click layer.bias
+click layer.bias.Attribute
+drag layer.bias_neutral 0.5 0.5 0.25 0.5
+click layer.direction
+click "layer.direction.Lines in the file"
+click section.reach
+click section.direction
+wheel compress.preset -20
+click compress.lit
+drag compress.limit 0.95 0.5 0.5 0.5
+key Ctrl+S
+expect saved
+)");
+  const std::string text = readText(folder() / "sheet.json");
+  for (const char* part : {"\"attribute\": \"COLOR_0\"", "\"neutral\": 0.2", "\"lines\": \"guides\"",
+                           "\"light\": [", "\"limit\": 0.5"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
 TEST_F(EditorTest, TheBrushCanBeMovedByKeysAndTheLitSurfaceFollowsIt) {

@@ -12,6 +12,7 @@
 #include "editor/session/paint.h"
 #include "editor/session/samples.h"
 #include "editor/session/settings.h"
+#include "editor/ui/input_queue.h"
 #include "furrow/jobs.h"
 #include "pipeline/error.h"
 #include "tests/editor/editor_models.h"
@@ -29,6 +30,10 @@ class SessionTest : public testing::Test {
     return folder_.path() / name;
   }
   fs::path folder() const { return folder_.path(); }
+  static std::string bytesOf(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
 
   // Until nothing is cooking, files have been looked at again and what they led to is done.
   static void settle(Session& session) {
@@ -345,6 +350,34 @@ TEST_F(SessionTest, WhatChangesOnDiskIsSeen) {
   EXPECT_NE(session.shown(), before);
 }
 
+TEST_F(SessionTest, ARecipeThatIsMistypedOnDiskStaysAFaultAndIsNotReplacedUnasked) {
+  write("sheet.glb", editorSheet());
+  const fs::path recipe = write("sheet.json", kEditorRecipe);
+  Session session;
+  session.open(folder() / "sheet.glb");
+  settle(session);
+  ASSERT_EQ(session.error(), "");
+  write("sheet.json", R"({"layers": [{"nam": "lines"}]})");
+  write("sheet.glb", editorSheet() + " ");  // it is cooked again, without a fault of its own
+  fs::last_write_time(folder() / "sheet.glb", fs::file_time_type::clock::now() + std::chrono::seconds(5));
+  settle(session);
+  EXPECT_NE(session.error().find("did you mean"), std::string::npos) << session.error();
+  session.save(recipe);
+  EXPECT_TRUE(session.conflict());
+  EXPECT_NE(bytesOf(recipe).find("\"nam\""), std::string::npos);
+  session.keep();
+  session.save(recipe);
+  EXPECT_FALSE(session.conflict());
+  EXPECT_EQ(session.error(), "");
+  EXPECT_EQ(pipeline::readRecipe(recipe).layers.size(), 2u);
+  write("sheet.json", R"({"layers": [{"nam": "lines"}]})");
+  settle(session);
+  EXPECT_NE(session.error(), "");
+  write("sheet.json", std::string(kEditorRecipe) + "  ");
+  settle(session);
+  EXPECT_EQ(session.error(), "");
+}
+
 TEST_F(SessionTest, APaintedImageThatChangesOnDiskIsAskedAboutWhileThereAreEdits) {
   const fs::path source = write("sheet.glb", editorSheet()), image = folder() / "sheet_lines_bias.png";
   write("sheet.json", kEditorRecipe);
@@ -549,6 +582,41 @@ TEST_F(PaintedSheet, PaintedBiasIsWhatTheCookReads) {
   EXPECT_TRUE(std::ranges::equal(again.shown()->view().layers[0].bias, cooked));
 }
 
+TEST_F(PaintedSheet, ARecipeSavedUnderAnotherNameTakesItsPaintedImagesWithIt) {
+  const auto paint = [&](float x) {
+    Content content = session_.document.content();
+    const fs::path file = paintedFile(content, session_.document.file(), 0, Painted::kBias);
+    Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
+    stroke.moveTo({x, 0.1f, 0.0f}, {0, 0, 1});
+    content.images[file] = std::make_shared<pipeline::ByteImage>(stroke.image());
+    content.recipe.layers[0].bias = pipeline::Bias{{}, 0, 0.5, file};
+    session_.document.apply(std::move(content), "paint");
+    session_.document.endGesture();
+  };
+  paint(0.2f);
+  session_.save(session_.document.file());
+  const std::string first = bytesOf(folder() / "sheet_lines_bias.png");
+  paint(-0.2f);
+  const fs::path other = folder() / "elsewhere" / "coat.json";
+  fs::create_directory(other.parent_path());
+  session_.save(other);
+  EXPECT_FALSE(session_.document.dirty());
+  EXPECT_EQ(session_.document.file(), other);
+  EXPECT_EQ(bytesOf(folder() / "sheet_lines_bias.png"), first);  // the first recipe is as it was saved
+  EXPECT_EQ(pipeline::readRecipe(folder() / "sheet.json").layers[0].bias->texture,
+            folder() / "sheet_lines_bias.png");
+  EXPECT_EQ(pipeline::readRecipe(other).layers[0].bias->texture, other.parent_path() / "coat_lines_bias.png");
+  EXPECT_NE(bytesOf(other.parent_path() / "coat_lines_bias.png"), first);
+  settle(session_);
+  EXPECT_EQ(session_.error(), "");
+  session_.document.undo();  // the name
+  session_.document.undo();  // the second stroke
+  EXPECT_TRUE(session_.document.content().images.contains(folder() / "sheet_lines_bias.png"));
+  session_.document.redo();
+  session_.document.redo();
+  EXPECT_FALSE(session_.document.dirty());
+}
+
 TEST_F(PaintedSheet, TheRayFindsThePlaceUnderIt) {
   const preview::PosedFrame frame = session_.player.frame(*session_.shown()->loaded);
   PosedSurface& surface = session_.shown()->surface;
@@ -659,6 +727,52 @@ TEST_F(SessionTest, SettingsComeBackAndDamagedOnesAreTheDefaults) {
   EXPECT_EQ(
       readSettings(write("odd.json", R"({"width": -3, "scale": "big", "recent": 4, "tier": "x"})")).tier,
       "auto");
+}
+
+// Between two slow frames a whole click, a key and its text arrive.
+TEST(InputQueueTest, WhatGoesDownAndUpBetweenTwoFramesIsDownInOne) {
+  ui::InputQueue input;
+  ImGuiIO io;
+  input.pointer({10, 20});
+  input.button(0, true);
+  input.button(0, false);
+  input.pointer({50, 60});
+  input.key(341, true);  // Ctrl
+  input.key('S', true);
+  input.key('S', false);
+  input.key(341, false);
+  input.apply(io);
+  EXPECT_EQ(io.MousePos.x, 10.0f);
+  EXPECT_TRUE(io.MouseDown[0]);
+  input.apply(io);
+  EXPECT_EQ(io.MousePos.x, 10.0f);  // let go where it was pressed
+  EXPECT_FALSE(io.MouseDown[0]);
+  input.apply(io);
+  EXPECT_EQ(io.MousePos.x, 50.0f);
+  EXPECT_TRUE(io.KeysDown['S'] && io.KeyCtrl);
+  input.apply(io);
+  EXPECT_FALSE(io.KeysDown['S'] || io.KeyCtrl);
+  EXPECT_TRUE(input.empty());
+}
+
+TEST(InputQueueTest, NothingStaysDownWhenTheWindowIsLeft) {
+  ui::InputQueue input;
+  ImGuiIO io;
+  input.button(1, true);
+  input.pointer({5, 5});
+  input.pointerLeft();  // a drag goes on outside
+  input.apply(io);
+  input.apply(io);
+  EXPECT_EQ(io.MousePos.x, 5.0f);
+  input.key('A', true);
+  input.release();
+  while (!input.empty()) input.apply(io);
+  EXPECT_FALSE(io.MouseDown[1] || io.KeysDown['A']);
+  input.pointerLeft();
+  input.apply(io);
+  EXPECT_LT(io.MousePos.x, -1e30f);
+  input.key(-1, true);  // a key that GLFW does not know
+  EXPECT_TRUE(input.empty());
 }
 
 }  // namespace

@@ -24,6 +24,9 @@ constexpr double kMeanTolerance = 0.4, kBlockTolerance = 5.0;
 // Of the software rasteriser: of the whole picture, and of the creases' depth.
 constexpr double kSoftwareMeanTolerance = 3.0, kSoftwareCreaseTolerance = 0.2;
 
+// A sample's picture is not for measuring: the model may be worked on.
+constexpr double kSampleMeanTolerance = 3.0;
+
 struct Window {
   uint32_t x0, y0, x1, y1;
 };
@@ -93,6 +96,21 @@ class DemoPicture : public ToolTest {
                 apart / creases);
   }
 
+  // The picture of the model on the editor's first screen.
+  void expectSample(const std::string& model, const std::vector<std::string>& view) const {
+    const std::filesystem::path file = folder() / "sample.png",
+                                stored = kSource / "editor/ui/pictures" / (model + ".png");
+    std::vector<std::string> arguments = {"render", asset_, "-o", file, "--size", "320x240"};
+    arguments.insert(arguments.end(), view.begin(), view.end());
+    const Outcome outcome = run(arguments);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    if (std::getenv("FURROW_UPDATE") != nullptr)
+      std::filesystem::copy_file(file, stored, std::filesystem::copy_options::overwrite_existing);
+    EXPECT_LT(difference(pipeline::readImage(file), pipeline::readImage(stored), kBlock).mean,
+              kSampleMeanTolerance)
+        << "it no longer looks like " << stored << ": run this test with FURROW_UPDATE=1 and commit it";
+  }
+
   // `plain`: the same without wrinkles, which the tolerances must tell from the stored picture.
   void expectStored(const std::string& name, const Image& picture, const Image& plain) const {
     const std::filesystem::path stored = kSource / "tests/image/demo" / name;
@@ -128,6 +146,9 @@ TEST_F(DemoPicture, RaisedBrowsCreaseTheForehead) {
   EXPECT_GT(fineness(raised, forehead, true), 3.0 * fineness(neutral, forehead, true));
   EXPECT_GT(fineness(raised, forehead, true), 2.0 * fineness(raised, forehead, false));  // lines lie level
   expectStored("brows_raised.png", raised, plain);
+  expectSample(
+      "face", {"--yaw", "18", "--pitch", "3", "--zoom", "2", "--target", "0.012", "-0.012", "0.02", "--morph",
+               "browInnerUp=1", "--morph", "browOuterUpLeft=0.8", "--morph", "browOuterUpRight=0.8"});
   expectNearlyTheSameInSoftware(raise);
 }
 
@@ -150,6 +171,7 @@ TEST_F(DemoPicture, ALeaningJacketFoldsAtTheWaist) {
   EXPECT_GT(fineness(folded, waist, true), 2.0 * fineness(plain, waist, true));
   EXPECT_GT(fineness(folded, waist, true), 2.0 * fineness(rest, waist, true));
   expectStored("waist_folded.png", folded, plain);
+  expectSample("jacket", {"--yaw", "20", "--zoom", "1.1", "--clip", "bend", "--time", "1"});
 }
 
 }  // namespace

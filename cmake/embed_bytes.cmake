@@ -1,0 +1,11 @@
+# A header with an array of bytes for each of FILES, named like embed.cmake's texts.
+set(text "#pragma once\n\n#include <cstdint>\n\nnamespace ${NAMESPACE} {\n")
+include(${CMAKE_CURRENT_LIST_DIR}/embed_symbol.cmake)
+foreach(file IN LISTS FILES)
+  embed_symbol(${file} symbol)
+  file(READ ${file} hex HEX)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
+  string(APPEND text "inline constexpr uint8_t ${symbol}[] = {${bytes}};\n")
+endforeach()
+string(APPEND text "}  // namespace ${NAMESPACE}\n")
+file(WRITE ${OUT} "${text}")
