@@ -34,11 +34,17 @@ LoadedAsset loadAsset(const std::filesystem::path& file) {
 }
 
 LoadedAsset loadAsset(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  Asset asset;
+  if (const Status status = asset.load(bytes); !status.ok())
+    throw Error(Exit::kBadData, file.string(), status.message, kRemedy);
+  return withRig(file, bytes, std::move(asset));
+}
+
+LoadedAsset withRig(const std::filesystem::path& file, std::span<const std::byte> bytes, Asset asset) {
   LoadedAsset loaded;
   loaded.file = file;
   loaded.bytes = bytes.size();
-  if (const Status status = loaded.asset.load(bytes); !status.ok())
-    throw Error(Exit::kBadData, file.string(), status.message, kRemedy);
+  loaded.asset = std::move(asset);
   loaded.texture_bytes = pipeline::textureBytes(bytes);
   try {
     loaded.rig = pipeline::readRig(loaded.asset.view());

@@ -27,5 +27,7 @@ bool looksLikeAsset(const std::filesystem::path& file);
 // that cannot be read. `file` names the asset in messages.
 LoadedAsset loadAsset(const std::filesystem::path& file);
 LoadedAsset loadAsset(const std::filesystem::path& file, std::span<const std::byte> bytes);
+LoadedAsset withRig(const std::filesystem::path& file, std::span<const std::byte> bytes,
+                    Asset asset);  // loaded from `bytes`
 
 }  // namespace furrow::preview

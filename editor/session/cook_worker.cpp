@@ -150,7 +150,8 @@ void CookWorker::cook(const CookRequest& request, bool draft) {
       pipeline::Recipe recipe = request.content.recipe;
       if (draft) recipe.map_size = kDraftMapSize;
       pipeline::Cooked cooked = pipeline::cook(scene(request.source), recipe, options);
-      result.asset = std::make_shared<preview::LoadedAsset>(preview::loadAsset(request.source, cooked.bytes));
+      result.asset = std::make_shared<preview::LoadedAsset>(
+          preview::withRig(request.source, cooked.bytes, std::move(cooked.asset)));
       if (!request.output.empty()) pipeline::writeFile(request.output, cooked.bytes);
       result.recipe = std::move(cooked.recipe);
       result.report = std::move(cooked.report);

@@ -76,7 +76,7 @@ class Cook {
     release(layers, sets, kept_, ground_);
     own_memory_.forgetScene();
     stage("loading it again");
-    Asset loaded;
+    Asset& loaded = cooked.asset;
     if (const Status status = loaded.load(cooked.bytes); !status.ok())
       throw Error(Exit::kBadData, name,
                   std::string("the asset made of it does not load (") + status.message + ")",

@@ -25,7 +25,8 @@ struct CookOptions {
 };
 
 struct Cooked {
-  std::vector<std::byte> bytes;  // a whole .furrow file, already loaded once to prove it sound
+  std::vector<std::byte> bytes;  // a whole .furrow file
+  Asset asset;                   // loaded from it, which proves it sound
   Recipe recipe;                 // with all that was left open worked out; cooks to the same bytes
   CookReport report;
   std::vector<std::filesystem::path> dependencies;  // source, recipe and images
