@@ -10,8 +10,8 @@
 
 namespace furrow::pipeline {
 
-// `axis`, of any length but 0, projected into every point's tangent plane; confidence is the length of what is
-// left.
+// `axis`, of any length but 0, projected into every point's tangent plane; confidence is the length of what
+// is left.
 DirectionField directionsFromAxis(const Surface& surface, glm::vec3 axis);
 
 // What speaks for a direction in a triangle: the mean over it of w v v^T for lines v in its plane with

@@ -289,8 +289,7 @@ class Cook {
     for (size_t l = 0; l < layers.size(); ++l) {
       const LayerRecipe& layer = recipe_.layers[l];
       const double unsure = report_.layers[l].low_confidence = layers[l].unsure;
-      const bool still =
-          std::holds_alternative<DirectionAnimation>(layer.direction) && !ground_->squeeze.any;
+      const bool still = std::holds_alternative<DirectionAnimation>(layer.direction) && !ground_->squeeze.any;
       if (unsure > kMuch && !still)
         warn("layer \"" + layer.name + "\": its direction is little more than a guess on " +
              std::to_string(std::lround(100.0 * unsure)) +

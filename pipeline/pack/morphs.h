@@ -21,9 +21,10 @@ struct PackedMorph {
 };
 
 // The step of a target is at most 1/64 of the short edges where it moves something, at rest and posed alike
-// (the 5th percentile; an edge that it squeezes to less than 1/8 counts as 1/8, where alpha ends) and 2^-15 of
-// the largest side of the parts that it moves, as far as 24 bits allow; and finer where that costs little: a displacement that the mesh foretells, as a stretch or
-// a rotation of the whole, is kept to 24 bits. Normals have 8 bits of the largest change.
+// (the 5th percentile; an edge that it squeezes to less than 1/8 counts as 1/8, where alpha ends) and 2^-15
+// of the largest side of the parts that it moves, as far as 24 bits allow; and finer where that costs little:
+// a displacement that the mesh foretells, as a stretch or a rotation of the whole, is kept to 24 bits.
+// Normals have 8 bits of the largest change.
 class MorphPacker {
  public:
   // `scene` holds the positions that `surface` was made from; `source_vertex` maps surface vertices to source

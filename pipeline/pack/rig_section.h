@@ -3,9 +3,9 @@
 // The rig as a section of the asset, for the tools that play clips (CBOR).
 
 #include <cstddef>
-#include "furrow/asset.h"
 #include <vector>
 
+#include "furrow/asset.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {

@@ -22,7 +22,8 @@ std::vector<glm::dmat4> worldMatrices(const std::vector<Node>& nodes);
 PosedRig evaluate(const Rig& rig, const Pose& pose);
 
 // The uniform scale that the pose gives to the whole model, against the default pose, rotations and moves
-// aside: a clip that scales the root squeezes nothing. 1 where single joints or meshes are scaled, or by axis.
+// aside: a clip that scales the root squeezes nothing. 1 where single joints or meshes are scaled, or by
+// axis.
 double wholeScale(const Rig& rig, const PosedRig& pose);
 
 // Root-space position of every vertex of `part` under the pose: morphs first, then the skin (weights as they

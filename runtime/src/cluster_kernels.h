@@ -29,7 +29,8 @@ struct ClusterScratch {
   float* bias;        // `padded`
   uint32_t* pairs;    // a row of `padded` a pair of layers of a pass: their weights
 };
-inline constexpr uint32_t kMostInPass = 8;  // layers that share their triangles' edges and their rings' gathers
+// Layers that share their triangles' edges and their rings' gathers.
+inline constexpr uint32_t kMostInPass = 8;
 
 // Cuts `memory` up; a cluster takes the bytes that the second form tells.
 ClusterScratch scratchOf(const Cluster& cluster, uint32_t layers, std::byte* memory);

@@ -7,6 +7,8 @@
 // target attributes, which gcc would leave off implicit constructors.
 #define TOOLCHAIN_MISS_SYS_AUXV_H
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+// Its assertions, in builds with a sanitizer, would need its library.
+#define HWY_IS_DEBUG_BUILD 0
 #include <hwy/detect_targets.h>
 
 #include "furrow/simd.h"
