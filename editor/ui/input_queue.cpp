@@ -6,6 +6,10 @@ namespace {
 constexpr int kLeftShift = 340, kLeftControl = 341, kLeftAlt = 342, kRightShift = 344, kRightControl = 345,
               kRightAlt = 346;  // GLFW's
 
+bool isModifier(int key) {
+  return (key >= kLeftShift && key <= kLeftAlt) || (key >= kRightShift && key <= kRightAlt);
+}
+
 }  // namespace
 
 void InputQueue::key(int key, bool down) {
@@ -56,8 +60,10 @@ bool InputQueue::fits(const Event& event, Frame& seen) {
       seen.buttons.set(event.code);
       return true;
     case Kind::kKey:
-      if (seen.buttons.any() || seen.typed || seen.keys[event.code]) return false;
+      if (seen.buttons.any() || seen.wheeled || seen.typed || seen.pressed || seen.keys[event.code])
+        return false;
       seen.keys.set(event.code);
+      seen.pressed = event.down && !isModifier(event.code);
       return true;
     case Kind::kWheel:
       return seen.wheeled = true;

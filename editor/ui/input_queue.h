@@ -1,8 +1,8 @@
 #pragma once
 
 // What a window's events do to imgui, in their order: a key or button that goes down and up again between two
-// frames is down for a frame of its own. Slow frames (a software renderer, a big cook beside it) lose
-// nothing.
+// frames is down for a frame of its own, and a key or the wheel has the modifiers that were down with it.
+// Slow frames (a software renderer, a big cook beside it) lose nothing.
 
 #include <imgui.h>
 
@@ -39,7 +39,7 @@ class InputQueue {
   struct Frame {
     std::bitset<kKeys> keys;
     std::bitset<kButtons> buttons;
-    bool wheeled = false, typed = false;
+    bool pressed = false, wheeled = false, typed = false;  // pressed: a key, with what modifies it
   };
   static bool fits(const Event& event, Frame& seen);
 

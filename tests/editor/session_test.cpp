@@ -755,6 +755,46 @@ TEST(InputQueueTest, WhatGoesDownAndUpBetweenTwoFramesIsDownInOne) {
   EXPECT_TRUE(input.empty());
 }
 
+// Fast hands and xdotool let go of Ctrl first.
+TEST(InputQueueTest, AModifierLetGoBetweenTwoFramesWasDownForTheKey) {
+  ui::InputQueue input;
+  ImGuiIO io;
+  input.key(341, true);  // Ctrl, a frame before
+  input.apply(io);
+  input.key('K', true);
+  input.key(341, false);
+  input.key('K', false);
+  input.apply(io);
+  EXPECT_TRUE(io.KeysDown['K'] && io.KeyCtrl);
+  input.apply(io);
+  EXPECT_FALSE(io.KeysDown['K'] || io.KeyCtrl);
+  input.key('K', true);
+  input.key(341, true);  // too late for the key
+  input.apply(io);
+  EXPECT_TRUE(io.KeysDown['K'] && !io.KeyCtrl);
+  input.apply(io);
+  EXPECT_TRUE(io.KeyCtrl);
+  input.wheel(0, 1);
+  input.key(341, false);
+  input.apply(io);
+  EXPECT_TRUE(io.MouseWheel == 1.0f && io.KeyCtrl);
+  input.apply(io);
+  EXPECT_FALSE(io.KeyCtrl);
+}
+
+TEST(InputQueueTest, KeysPressedBetweenTwoFramesHaveAFrameEach) {
+  ui::InputQueue input;
+  ImGuiIO io;
+  for (const int key : {'B', 'X'}) input.key(key, true);
+  for (const int key : {'B', 'X'}) input.key(key, false);
+  input.apply(io);
+  EXPECT_TRUE(io.KeysDown['B'] && !io.KeysDown['X']);
+  input.apply(io);
+  EXPECT_TRUE(io.KeysDown['X']);
+  while (!input.empty()) input.apply(io);
+  EXPECT_FALSE(io.KeysDown['B'] || io.KeysDown['X']);
+}
+
 TEST(InputQueueTest, NothingStaysDownWhenTheWindowIsLeft) {
   ui::InputQueue input;
   ImGuiIO io;
