@@ -7,14 +7,13 @@
 
 #include "pipeline/recipe/arkit.h"
 #include "pipeline/scene/posing.h"
+#include "pipeline/scene/rest.h"
 
 namespace furrow::editor {
 namespace {
 
-const pipeline::Clip* clipNamed(const pipeline::Rig& rig, const std::string& name) {
-  const auto found = std::find_if(rig.clips.begin(), rig.clips.end(),
-                                  [&](const pipeline::Clip& clip) { return clip.name == name; });
-  return found == rig.clips.end() ? nullptr : &*found;
+const pipeline::Clip* clipOf(const pipeline::Rig& rig, const std::string& key) {
+  return key.empty() ? nullptr : pipeline::findClip(rig, key);
 }
 
 // The middle of the bounding box at rest, root space.
@@ -31,12 +30,26 @@ glm::dvec3 middleOf(const AssetView& asset) {
 
 }  // namespace
 
+std::string clipKey(const pipeline::Rig& rig, size_t clip) {
+  const std::string& name = rig.clips[clip].name;
+  return clipOf(rig, name) == &rig.clips[clip] ? name : std::to_string(clip);
+}
+
+std::string morphKey(std::string_view name, size_t number) {
+  return name.empty() ? std::to_string(number) : std::string(name);
+}
+
 double Player::duration(const pipeline::Rig& rig) const {
   double longest = breathing.on ? double{breathing.period} : 0.0;
-  if (const pipeline::Clip* playing_clip = clipNamed(rig, clip))
+  if (const pipeline::Clip* playing_clip = clipOf(rig, clip))
     longest = std::max(longest, playing_clip->duration);
   if (take) longest = std::max(longest, take->times.back());
   return longest;
+}
+
+void Player::playOrPause(const pipeline::Rig& rig) {
+  playing = !playing;
+  if (playing && time >= duration(rig)) time = 0.0;
 }
 
 void Player::advance(const pipeline::Rig& rig, double seconds) {
@@ -55,7 +68,7 @@ void Player::advance(const pipeline::Rig& rig, double seconds) {
 
 pipeline::Pose Player::pose(const pipeline::Rig& rig) const {
   pipeline::Pose pose = pipeline::defaultPose(rig);
-  if (const pipeline::Clip* shown = clipNamed(rig, clip)) pipeline::applyClip(rig, *shown, time, pose);
+  if (const pipeline::Clip* shown = clipOf(rig, clip)) pipeline::applyClip(rig, *shown, time, pose);
   if (take) {
     std::vector<std::string> names;
     for (const pipeline::MorphTarget& target : rig.morphs) names.push_back(target.name);
@@ -65,7 +78,7 @@ pipeline::Pose Player::pose(const pipeline::Rig& rig) const {
         pose.morph_weights[m] = double{weights[s]};
   }
   for (size_t m = 0; m < rig.morphs.size(); ++m)
-    if (const auto held = morphs.find(rig.morphs[m].name); held != morphs.end())
+    if (const auto held = morphs.find(morphKey(rig.morphs[m].name, m)); held != morphs.end())
       pose.morph_weights[m] = double{held->second};
   return pose;
 }

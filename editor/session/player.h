@@ -22,20 +22,27 @@ struct Breathing {
   bool axes[3] = {true, true, true};
 };
 
+// What a clip or morph target is called where it is chosen: its name, or its number where the file gives it
+// none; a clip's number, too, where an earlier one has its name.
+std::string clipKey(const pipeline::Rig& rig, size_t clip);
+std::string morphKey(std::string_view name, size_t number);
+
 class Player {
  public:
-  std::string clip;  // by name; empty: none
+  std::string clip;  // its key; empty: none
   std::optional<pipeline::Take> take;
   std::string take_name;
   double time = 0.0;  // seconds
   bool playing = false, loop = true;
   float speed = 1.0f;
   Breathing breathing;
-  // By name, so that they outlive a new cook; they replace what the clip or the take says.
+  // By key and name, so that they outlive a new cook; they replace what the clip or the take says.
   std::map<std::string, float> morphs, regions;
 
   // Seconds of what plays: the clip, the take or a breath; 0 where nothing does.
   double duration(const pipeline::Rig& rig) const;
+  // Plays, from the start where it had come to the end, or pauses.
+  void playOrPause(const pipeline::Rig& rig);
   // Goes on by `seconds` of the clock; stops at the end unless it loops.
   void advance(const pipeline::Rig& rig, double seconds);
 

@@ -165,7 +165,7 @@ void Session::takeResults() {
     }
     const bool first = !shown_;
     shown_ = std::make_shared<Shown>(result->asset);
-    if (first && !result->asset->rig.clips.empty()) player.clip = result->asset->rig.clips.front().name;
+    if (first && !result->asset->rig.clips.empty()) player.clip = clipKey(result->asset->rig, 0);
     for (const std::string& warning : result->report.warnings)
       if (warned_.insert(warning).second) tell(Message::Kind::kWarning, source_.string() + ": " + warning);
     report_ = std::move(result->report);

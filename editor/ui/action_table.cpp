@@ -28,7 +28,9 @@ void Editor::makeActions() {
 
 std::vector<Action> Editor::fileActions() {
   State& s = state_;
-  const auto is_open = [&s] { return s.session.shown() != nullptr; };
+  const auto has_picture = [&s] {
+    return s.session.shown() && s.looks[0].view != kUvView && (!s.split || s.looks[1].view != kUvView);
+  };
   const auto editable = [&s] { return s.session.editable(); };
   return {{.id = "file.open",
            .menu = "File",
@@ -68,9 +70,9 @@ std::vector<Action> Editor::fileActions() {
            .menu = "File",
            .label = "Save picture ...",
            .chord = {.key = 'P', .ctrl = true},
-           .tip = "Write what the view shows as a PNG file",
+           .tip = "Write what the view shows, both sides of a split one, as a PNG file; not the UV layout",
            .run = [&s] { s.dialog = Dialog::kImage; },
-           .enabled = is_open,
+           .enabled = has_picture,
            .separated = true},
           {.id = "file.turntable",
            .menu = "File",
@@ -81,7 +83,7 @@ std::vector<Action> Editor::fileActions() {
                  files_.open("Write turntable frames into a folder", s.settings.folder, {}, true,
                              [this](const fs::path& folder) { share_.startTurntable(folder); });
                },
-           .enabled = is_open},
+           .enabled = has_picture},
           {.id = "file.clip",
            .menu = "File",
            .label = "Clip frames ...",
@@ -92,8 +94,8 @@ std::vector<Action> Editor::fileActions() {
                              [this, &s](const fs::path& folder) { share_.startClip(s, folder); });
                },
            .enabled =
-               [&s] {
-                 return s.session.shown() && s.session.player.duration(s.session.shown()->loaded->rig) > 0.0;
+               [&s, has_picture] {
+                 return has_picture() && s.session.player.duration(s.session.shown()->loaded->rig) > 0.0;
                }},
           {.id = "file.quit",
            .menu = "File",
@@ -428,13 +430,16 @@ std::vector<Action> Editor::viewActions() {
 std::vector<Action> Editor::playActions() {
   State& s = state_;
   const auto is_open = [&s] { return s.session.shown() != nullptr; };
+  const auto plays = [&s] {
+    return s.session.shown() && s.session.player.duration(s.session.shown()->loaded->rig) > 0.0;
+  };
   return {{.id = "play.play",
            .menu = "Play",
            .label = "Play / pause",
            .chord = {.key = key::kSpace},
            .tip = "Play or pause the clip",
-           .run = [&s] { s.session.player.playing = !s.session.player.playing; },
-           .enabled = is_open},
+           .run = [&s] { s.session.player.playOrPause(s.session.shown()->loaded->rig); },
+           .enabled = plays},
           {.id = "play.start",
            .menu = "Play",
            .label = "To the start",
@@ -502,7 +507,9 @@ std::vector<Action> Editor::viewKeys() {
       s.camera.pitch = std::clamp(s.camera.pitch + pitch, -89.0f, 89.0f);
     };
   };
-  const auto zoom = [&s](float by) { return [&s, by] { s.camera.distance *= by; }; };
+  const auto zoom = [&s](float steps) {
+    return [&s, steps] { zoomCamera(s.camera, diagonalOf(s.session.shown()->view()), steps); };
+  };
   const auto pan = [&s](float right, float up) {
     return [&s, right, up] { panCamera(s.camera, kPanStep * right, kPanStep * up); };
   };
@@ -575,12 +582,8 @@ std::vector<Action> Editor::viewKeys() {
        .chord = {.key = key::kRight, .ctrl = true, .shift = true},
        .tip = "Wider panels",
        .run = widen(1.5f)},
-      {.id = "camera.in",
-       .chord = {.key = '='},
-       .tip = "Zoom in",
-       .run = zoom(1.0f / 1.15f),
-       .enabled = is_open},
-      {.id = "camera.out", .chord = {.key = '-'}, .tip = "Zoom out", .run = zoom(1.15f), .enabled = is_open}};
+      {.id = "camera.in", .chord = {.key = '='}, .tip = "Zoom in", .run = zoom(1), .enabled = is_open},
+      {.id = "camera.out", .chord = {.key = '-'}, .tip = "Zoom out", .run = zoom(-1), .enabled = is_open}};
 }
 
 }  // namespace furrow::editor::ui

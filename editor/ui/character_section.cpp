@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "editor/ui/widgets.h"
+#include "pipeline/scene/rest.h"
 
 namespace furrow::editor::ui {
 namespace {
@@ -39,7 +40,7 @@ void drawRest(State& state, const preview::PosedFrame* frame) {
           "clip at the time that you see, the weights of the morph targets that you see, or a file with "
           "the same vertices in the same order")) {
     const std::string before = session.shown() && !session.shown()->loaded->rig.clips.empty()
-                                   ? session.shown()->loaded->rig.clips.front().name
+                                   ? clipKey(session.shown()->loaded->rig, 0)
                                    : std::string();
     if (index == kBind) setRest(state, pipeline::RestBind{});
     if (index == kClip && before.empty())
@@ -62,8 +63,8 @@ void drawRest(State& state, const preview::PosedFrame* frame) {
     ImGui::TextUnformatted(clip->clip.c_str());
     double length = 0.0;
     if (session.shown())
-      for (const pipeline::Clip& one : session.shown()->loaded->rig.clips)
-        if (one.name == clip->clip) length = one.duration;
+      if (const pipeline::Clip* found = pipeline::findClip(session.shown()->loaded->rig, clip->clip))
+        length = found->duration;
     if (slider("rest.time", "  Time", time, 0.0f, std::max(static_cast<float>(length), time), "%.2f s",
                "Seconds into the clip, from 0 to its end"))
       setRest(state, pipeline::RestClip{clip->clip, double{time}});

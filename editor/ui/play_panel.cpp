@@ -75,7 +75,7 @@ void drawPlayPanel(State& state, const preview::PosedFrame* frame, Share& share)
   } else if (section("section.morphs", "Morph targets", "Weights of the character's shapes")) {
     std::vector<std::string> seen;
     for (size_t m = 0; m < asset.morphs.size(); ++m) {
-      const std::string name(asset.morphs[m].name);
+      const std::string name = morphKey(asset.morphs[m].name, m);
       if (!contains(name, search) || std::find(seen.begin(), seen.end(), name) != seen.end()) continue;
       seen.push_back(name);
       heldSlider("morph.", name, player.morphs, frame->morph_weights[m], 0.0f, 1.0f,
@@ -116,7 +116,7 @@ void drawTimeline(State& state) {
   const double length = player.duration(rig);
 
   std::vector<std::string> names = {"(no clip)"};
-  for (const pipeline::Clip& clip : rig.clips) names.push_back(clip.name);
+  for (size_t c = 0; c < rig.clips.size(); ++c) names.push_back(clipKey(rig, c));
   std::string clip = player.clip.empty() ? names.front() : player.clip;
   ImGui::SetNextItemWidth(11.0f * em());
   if (ImGui::BeginCombo("##timeline.clip", clip.c_str())) {
@@ -148,7 +148,7 @@ void drawTimeline(State& state) {
   ImGui::SameLine();
   if (toggle("timeline.play", player.playing ? "Pause" : " Play ", player.playing, "Plays or pauses  (Space)",
              plays))
-    player.playing = !player.playing;
+    player.playOrPause(rig);
   ImGui::SameLine();
   if (toggle("timeline.loop", "Loop", player.loop, "Begins again at the end", some))
     player.loop = !player.loop;

@@ -20,7 +20,7 @@ namespace {
 constexpr float kOrbitSpeed = 0.35f;  // degrees a pixel
 constexpr float kLightSpeed = 0.5f;
 constexpr float kZoomStep = 1.12f;
-constexpr float kNearest = 1e-4f, kFarthest = 1e6f;  // camera distance, root-space units
+constexpr float kNearest = 1e-3f, kFarthest = 100.0f;  // camera distance, of the character's size
 constexpr uint32_t kLargestPicture = 4096;
 
 // Everything that a picture depends on, as one number.
@@ -39,6 +39,11 @@ class Key {
  private:
   std::string bytes_;
 };
+
+const std::shared_ptr<Shown>& shownOn(const State& state, int side) {
+  const bool compared = side == 1 && state.looks[1].compared && state.session.comparison();
+  return compared ? state.session.comparison() : state.session.shown();
+}
 
 }  // namespace
 
@@ -200,9 +205,10 @@ void panCamera(preview::Camera& camera, float right, float up) {
   camera.target = {camera.target.x + move.x, camera.target.y + move.y, camera.target.z + move.z};
 }
 
-void zoomCamera(preview::Camera& camera, float steps, float right, float up) {
+void zoomCamera(preview::Camera& camera, float size, float steps, float right, float up) {
+  if (!(size > 0.0f)) return;
   const float before = camera.distance;
-  camera.distance = std::clamp(before / std::pow(kZoomStep, steps), kNearest, kFarthest);
+  camera.distance = std::clamp(before / std::pow(kZoomStep, steps), kNearest * size, kFarthest * size);
   const float moved = before / camera.distance - 1.0f;
   panCamera(camera, moved * right, moved * up);
 }
@@ -268,7 +274,8 @@ void Viewport::moveCamera(State& state, ImVec2 low, ImVec2 size, bool hovered) {
     if (io.KeyCtrl && state.tool != Tool::kLook)
       state.brush.size = std::clamp(state.brush.size * std::pow(kZoomStep, io.MouseWheel), 0.002f, 0.5f);
     else
-      zoomCamera(camera, io.MouseWheel, (io.MousePos.x - low.x - 0.5f * size.x) / size.y,
+      zoomCamera(camera, diagonalOf(state.session.shown()->view()), io.MouseWheel,
+                 (io.MousePos.x - low.x - 0.5f * size.x) / size.y,
                  (low.y + 0.5f * size.y - io.MousePos.y) / size.y);
   }
 }
@@ -295,8 +302,8 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   const float middle = std::floor(low.x + size.x * state.divider);
   for (int side = 0; side < (state.split ? 2 : 1); ++side) {
     const Look& look = state.looks[side];
-    const bool compared = side == 1 && look.compared && state.session.comparison();
-    const std::shared_ptr<Shown>& of = compared ? state.session.comparison() : shown;
+    const std::shared_ptr<Shown>& of = shownOn(state, side);
+    const bool compared = of != shown;
     const ImVec2 from = {side == 1 ? middle : low.x, low.y},
                  to = {state.split && side == 0 ? middle : high.x, high.y};
     if (look.view == kUvView) {
@@ -507,7 +514,20 @@ void Viewport::drawLegend(const State&, const Look& look, ImVec2 at) const {
 
 pipeline::Image Viewport::picture(State& state, const preview::PosedFrame& frame, uint32_t width,
                                   uint32_t height) {
-  return panes_[0].picture(state, state.session.shown(), frame, state.looks[0], width, height);
+  const auto side = [&](int number) {
+    const std::shared_ptr<Shown>& of = shownOn(state, number);
+    const bool compared = of != state.session.shown();
+    const preview::PosedFrame other =
+        compared ? state.session.player.frame(*of->loaded) : preview::PosedFrame();
+    return panes_[number].picture(state, of, compared ? other : frame, state.looks[number], width, height);
+  };
+  pipeline::Image picture = side(0);
+  if (!state.split) return picture;
+  const pipeline::Image right = side(1);
+  const auto divider = static_cast<uint32_t>(static_cast<float>(width) * state.divider);
+  for (uint32_t y = 0; y < height; ++y)
+    std::copy_n(right.at(divider, y), size_t{4} * (width - divider), picture.at(divider, y));
+  return picture;
 }
 
 }  // namespace furrow::editor::ui

@@ -55,14 +55,15 @@ struct Projection {
 float viewHeight(const preview::Camera& camera);
 // Moves the camera and what it looks at, in heights of the picture.
 void panCamera(preview::Camera& camera, float right, float up);
-// Nearer by steps of the wheel; what is at a place of the picture, in its heights from the middle, stays.
-void zoomCamera(preview::Camera& camera, float steps, float right, float up);
+// Nearer to a character of that size by steps of the wheel; what is at a place of the picture, in its heights
+// from the middle, stays.
+void zoomCamera(preview::Camera& camera, float size, float steps, float right = 0.0f, float up = 0.0f);
 
 class Viewport {
  public:
   // Fills the current window. `frame` is that of the shown asset, null if there is none.
   void draw(State& state, const preview::PosedFrame* frame);
-  // What the renderer shows on the left or only side, at another size. Throws pipeline::Error.
+  // The view at another size, no side of which shows the UV layout. Throws pipeline::Error.
   pipeline::Image picture(State& state, const preview::PosedFrame& frame, uint32_t width, uint32_t height);
 
   void frameAll(State& state, const preview::PosedFrame& frame);

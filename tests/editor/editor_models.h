@@ -46,6 +46,14 @@ inline std::string editorSheet() {
       R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
 }
 
+// Without any name, of mesh, material, clip or morph target.
+inline std::string editorNameless() {
+  return editorSheetBuilder().glb(
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"animations":[{"samplers":[{"input":4,"output":5}],)"
+      R"("channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}],"meshes":[{"primitives":[)"
+      R"({"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
+}
+
 // Two of them side by side: mesh "Face" of material "skin" and mesh "Coat" of material "cloth".
 inline std::string editorPair() {
   const auto mesh = [](const char* name, int material) {

@@ -743,6 +743,40 @@ expect message "4 frames written"
   EXPECT_GT(difference(first, quarter, kBlock).mean, 2.0);
 }
 
+TEST_F(EditorTest, ASavedPictureShowsBothSidesOfASplitView) {
+  expectPlaysInFolder(sheet() + R"(
+drag morph.squeeze 0.05 0.5 0.9 0.5
+key Ctrl+P
+click dialog.name 0.9 0.5
+key Ctrl+A
+type @/whole.png
+key Enter
+key W
+key Ctrl+P
+click dialog.name 0.9 0.5
+key Ctrl+A
+type @/split.png
+key Enter
+expect message "split.png: written"
+key 9
+key Ctrl+P
+key Enter
+expect no error
+)");
+  const Image whole = pipeline::readImage(folder() / "whole.png"),
+              split = pipeline::readImage(folder() / "split.png");
+  ASSERT_EQ(split.width, whole.width);
+  // Left with wrinkles as before, right without.
+  double left = 0.0, right = 0.0;
+  for (uint32_t y = 0; y < whole.height; ++y)
+    for (uint32_t x = 0; x < whole.width; ++x)
+      (x < whole.width / 2 ? left : right) +=
+          double{std::abs(whole.at(x, y)[0] - split.at(x, y)[0])} / (whole.width * whole.height);
+  EXPECT_LT(left, 1e-6);
+  EXPECT_GT(right, 1e-3);
+  EXPECT_FALSE(fs::exists(folder() / "sheet.png"));  // what the UV layout would have written
+}
+
 TEST_F(EditorTest, RefusesWhatItCannotDoInOneLine) {
   const auto refused = [&](const Outcome& outcome, int status, const std::string& named) {
     EXPECT_EQ(outcome.status, status) << outcome.err;

@@ -13,6 +13,7 @@
 #include "editor/session/samples.h"
 #include "editor/session/settings.h"
 #include "editor/ui/input_queue.h"
+#include "editor/ui/viewport.h"
 #include "furrow/jobs.h"
 #include "pipeline/error.h"
 #include "tests/editor/editor_models.h"
@@ -667,6 +668,52 @@ TEST_F(PaintedSheet, PlayingLoopsOrStopsAndHeldSlidersWin) {
   player.advance(rig, 5.0);
   EXPECT_EQ(player.time, 1.0);
   EXPECT_FALSE(player.playing);
+  player.playOrPause(rig);  // from the end: once more
+  player.advance(rig, 0.1);
+  EXPECT_TRUE(player.playing);
+  EXPECT_NEAR(player.time, 0.2, 1e-9);
+  player.playOrPause(rig);
+  EXPECT_FALSE(player.playing);
+  EXPECT_NEAR(player.time, 0.2, 1e-9);
+}
+
+TEST(CameraTest, ZoomsOnCharactersOfEverySize) {
+  for (const float size : {1e-7f, 1.0f, 1e9f}) {
+    preview::Camera camera;
+    camera.distance = 3.0f * size;
+    ui::zoomCamera(camera, size, 1.0f);
+    EXPECT_LT(camera.distance, 2.9f * size);
+    EXPECT_GT(camera.distance, 2.0f * size);
+    ui::zoomCamera(camera, size, -2.0f);
+    EXPECT_GT(camera.distance, 3.1f * size);
+    ui::zoomCamera(camera, size, 1000.0f);
+    EXPECT_GT(camera.distance, 0.0f);
+    EXPECT_LT(camera.distance, 0.01f * size);
+  }
+}
+
+TEST_F(SessionTest, ClipsAndMorphTargetsWithoutNamesGoByTheirNumber) {
+  Session session;
+  session.open(write("nameless.glb", editorNameless()));
+  settle(session);
+  ASSERT_TRUE(session.shown()) << session.error();
+  const pipeline::Rig& rig = session.shown()->loaded->rig;
+  Player& player = session.player;
+  EXPECT_EQ(player.clip, "0");
+  EXPECT_EQ(player.duration(rig), 1.0);
+  player.time = 0.5;
+  EXPECT_NEAR(player.pose(rig).morph_weights[0], 0.5, 1e-6);
+  player.morphs["0"] = 0.9f;
+  EXPECT_NEAR(player.pose(rig).morph_weights[0], 0.9, 1e-6);
+  player.clip.clear();  // none, not the one whose name is empty
+  EXPECT_EQ(player.duration(rig), 0.0);
+  pipeline::Rig twins = rig;
+  twins.clips.front().name = "go";
+  twins.clips.push_back(twins.clips.front());
+  twins.clips.back().duration = 3.0;
+  EXPECT_EQ(clipKey(twins, 0), "go");
+  player.clip = clipKey(twins, 1);
+  EXPECT_EQ(player.duration(twins), 3.0);
 }
 
 TEST_F(SessionTest, SamplesAreMadeInTheBackgroundWholeOrNotAtAll) {
