@@ -18,9 +18,9 @@ constexpr float kPanStep = 0.05f;     // of the picture's height
 }  // namespace
 
 void Editor::makeActions() {
-  for (const auto make :
-       {&Editor::fileActions, &Editor::editActions, &Editor::brushKeys, &Editor::viewActions,
-        &Editor::playActions, &Editor::helpActions, &Editor::viewKeys}) {
+  for (const auto make : {&Editor::fileActions, &Editor::editActions, &Editor::brushKeys,
+                          &Editor::viewActions, &Editor::cameraActions, &Editor::screenActions,
+                          &Editor::playActions, &Editor::helpActions, &Editor::viewKeys}) {
     std::vector<Action> some = (this->*make)();
     std::move(some.begin(), some.end(), std::back_inserter(actions_));
   }
@@ -242,108 +242,59 @@ std::vector<Action> Editor::brushKeys() {
 std::vector<Action> Editor::viewActions() {
   State& s = state_;
   const auto is_open = [&s] { return s.session.shown() != nullptr; };
-  const auto view = [&s](int index) { return [&s, index] { s.looks[0].view = index; }; };
-  const auto viewed = [&s](int index) { return [&s, index] { return s.looks[0].view == index; }; };
+  struct View {
+    const char *id, *tip;
+  };
+  constexpr View kViews[] = {
+      {"view.beauty", "The lit surface with its wrinkles"},
+      {"view.weight", "Weight of the selected layer: red squeezed, blue stretched"},
+      {"view.direction", "Strokes across the creases of the selected layer"},
+      {"view.point", "A colour a point: seams that are not welded light up"},
+      {"view.mask", "How far the selected layer reaches"},
+      {"view.bias", "Rest bias of the selected layer"},
+      {"view.confidence", "How sure the direction is"},
+      {"view.morph", "How far morph targets move each place"},
+      {"view.uv", "The charts in UV space; those of the selected layer are bright"},
+  };
+  static_assert(std::size(kViews) == std::size(kViewNames));
+  std::vector<Action> actions;
+  for (int i = 0; i < static_cast<int>(std::size(kViews)); ++i)
+    actions.push_back({.id = kViews[i].id,
+                       .menu = "View",
+                       .label = kViewNames[i],
+                       .chord = {.key = '1' + i},
+                       .tip = kViews[i].tip,
+                       .run = [&s, i] { s.looks[0].view = i; },
+                       .enabled = is_open,
+                       .checked = [&s, i] { return s.looks[0].view == i; }});
+  actions.push_back({.id = "view.split",
+                     .menu = "View",
+                     .label = "Split screen",
+                     .chord = {.key = 'W'},
+                     .tip = "Two settings side by side with a divider to drag",
+                     .run = [&s] { s.split = !s.split; },
+                     .enabled = is_open,
+                     .checked = [&s] { return s.split; },
+                     .separated = true});
+  actions.push_back({.id = "view.compare",
+                     .menu = "View",
+                     .label = "Compare with file ...",
+                     .tip = "Another asset, or another recipe for this mesh, on the right side",
+                     .run = [&s] { s.dialog = Dialog::kCompare; },
+                     .enabled = is_open});
+  return actions;
+}
+
+std::vector<Action> Editor::cameraActions() {
+  State& s = state_;
+  const auto is_open = [&s] { return s.session.shown() != nullptr; };
   const auto turned = [&s](float yaw, float pitch) {
     return [&s, yaw, pitch] {
       s.camera.yaw = yaw;
       s.camera.pitch = pitch;
     };
   };
-  const auto scale = [&s](float by) {
-    return [&s, by] {
-      s.scale = std::clamp((s.scale > 0.0f ? s.scale : s.screen_scale) * by, 0.5f, 4.0f);
-      s.settings.scale = s.scale;
-    };
-  };
-  return {{.id = "view.beauty",
-           .menu = "View",
-           .label = "Beauty",
-           .chord = {.key = '1'},
-           .tip = "The lit surface with its wrinkles",
-           .run = view(0),
-           .enabled = is_open,
-           .checked = viewed(0)},
-          {.id = "view.weight",
-           .menu = "View",
-           .label = "Weight",
-           .chord = {.key = '2'},
-           .tip = "Weight of the selected layer: red squeezed, blue stretched",
-           .run = view(1),
-           .enabled = is_open,
-           .checked = viewed(1)},
-          {.id = "view.direction",
-           .menu = "View",
-           .label = "Direction",
-           .chord = {.key = '3'},
-           .tip = "Strokes across the creases of the selected layer",
-           .run = view(2),
-           .enabled = is_open,
-           .checked = viewed(2)},
-          {.id = "view.point",
-           .menu = "View",
-           .label = "Points",
-           .chord = {.key = '4'},
-           .tip = "A colour a point: seams that are not welded light up",
-           .run = view(3),
-           .enabled = is_open,
-           .checked = viewed(3)},
-          {.id = "view.mask",
-           .menu = "View",
-           .label = "Mask",
-           .chord = {.key = '5'},
-           .tip = "How far the selected layer reaches",
-           .run = view(4),
-           .enabled = is_open,
-           .checked = viewed(4)},
-          {.id = "view.bias",
-           .menu = "View",
-           .label = "Bias",
-           .chord = {.key = '6'},
-           .tip = "Rest bias of the selected layer",
-           .run = view(5),
-           .enabled = is_open,
-           .checked = viewed(5)},
-          {.id = "view.confidence",
-           .menu = "View",
-           .label = "Confidence",
-           .chord = {.key = '7'},
-           .tip = "How sure the direction is",
-           .run = view(6),
-           .enabled = is_open,
-           .checked = viewed(6)},
-          {.id = "view.morph",
-           .menu = "View",
-           .label = "Morphs",
-           .chord = {.key = '8'},
-           .tip = "How far morph targets move each place",
-           .run = view(7),
-           .enabled = is_open,
-           .checked = viewed(7)},
-          {.id = "view.uv",
-           .menu = "View",
-           .label = "UV layout",
-           .chord = {.key = '9'},
-           .tip = "The charts in UV space; those of the selected layer are bright",
-           .run = view(8),
-           .enabled = is_open,
-           .checked = viewed(8)},
-          {.id = "view.split",
-           .menu = "View",
-           .label = "Split screen",
-           .chord = {.key = 'W'},
-           .tip = "Two settings side by side with a divider to drag",
-           .run = [&s] { s.split = !s.split; },
-           .enabled = is_open,
-           .checked = [&s] { return s.split; },
-           .separated = true},
-          {.id = "view.compare",
-           .menu = "View",
-           .label = "Compare with file ...",
-           .tip = "Another asset, or another recipe for this mesh, on the right side",
-           .run = [&s] { s.dialog = Dialog::kCompare; },
-           .enabled = is_open},
-          {.id = "view.all",
+  return {{.id = "view.all",
            .menu = "View",
            .label = "Frame all",
            .chord = {.key = 'A'},
@@ -391,8 +342,18 @@ std::vector<Action> Editor::viewActions() {
            .chord = {.key = 'L', .shift = true},
            .tip = "Lights as at the start",
            .run = [&s] { s.light_yaw = 0.0f; },
-           .enabled = is_open},
-          {.id = "view.left",
+           .enabled = is_open}};
+}
+
+std::vector<Action> Editor::screenActions() {
+  State& s = state_;
+  const auto scale = [&s](float by) {
+    return [&s, by] {
+      s.scale = std::clamp((s.scale > 0.0f ? s.scale : s.screen_scale) * by, 0.5f, 4.0f);
+      s.settings.scale = s.scale;
+    };
+  };
+  return {{.id = "view.left",
            .menu = "View",
            .label = "Layer panel",
            .tip = "Show or hide the panel on the left",

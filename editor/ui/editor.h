@@ -39,6 +39,8 @@ class Editor {
   std::vector<Action> editActions();
   std::vector<Action> brushKeys();
   std::vector<Action> viewActions();
+  std::vector<Action> cameraActions();
+  std::vector<Action> screenActions();
   std::vector<Action> playActions();
   std::vector<Action> helpActions();
   std::vector<Action> viewKeys();

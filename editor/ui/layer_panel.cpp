@@ -34,13 +34,11 @@ void moveLayer(Session& session, size_t from, size_t to) {
   session.document.apply(std::move(content), "Move layer");
 }
 
-void drawList(State& state) {
-  Session& session = state.session;
-  const pipeline::Recipe& recipe = session.document.recipe();
+void drawRows(State& state) {
+  const pipeline::Recipe& recipe = state.session.document.recipe();
   const uint32_t selected = state.documentLayer();
   const auto rows = static_cast<float>(std::clamp<size_t>(recipe.layers.size(), 3, 9));
   const float padding = 0.4f * em();
-  ImGui::TextDisabled("Layers");
   size_t dragged = recipe.layers.size();
   ImGui::PushStyleColor(ImGuiCol_ChildBg, IM_COL32(22, 23, 25, 255));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, padding});
@@ -55,8 +53,7 @@ void drawList(State& state) {
     mark(id.c_str());
     tooltip(
         "Select this layer: the panel below edits it, and the views of one layer show it. Drag it up or down "
-        "to "
-        "reorder; the order is that of the asset's weights");
+        "to reorder; the order is that of the asset's weights");
     if (ImGui::IsItemActive() && !ImGui::IsItemHovered()) dragged = l;
   }
   // The row under the pointer takes the dragged layer.
@@ -65,44 +62,45 @@ void drawList(State& state) {
     const float top = ImGui::GetWindowPos().y + padding - ImGui::GetScrollY();
     const auto target = static_cast<size_t>(
         std::clamp((y - top) / row, 0.0f, static_cast<float>(recipe.layers.size()) - 0.5f));
-    if (target != dragged) moveLayer(session, dragged, target);
+    if (target != dragged) moveLayer(state.session, dragged, target);
   }
   ImGui::EndChild();
+}
 
+void drawListButtons(State& state) {
+  Session& session = state.session;
+  const uint32_t selected = state.documentLayer();
+  const size_t count = session.document.recipe().layers.size();
   const bool some = selected != pipeline::kNoIndex;
+  // What an edit leaves selected is a layer of its content.
+  const auto apply = [&](Content content, size_t select, const char* name) {
+    state.layer = content.recipe.layers[select].name;
+    session.document.apply(std::move(content), name);
+    session.document.endGesture();
+  };
   if (button("layer.add", "Add",
              "Add a layer over everything, with directions from the animation (1 to 16 layers)",
-             recipe.layers.size() < kMaxLayers)) {
+             count < kMaxLayers)) {
     Content content = session.document.content();
     LayerRecipe layer;
-    layer.name = unusedName(recipe, "wrinkles");
-    state.layer = layer.name;
-    content.recipe.layers.push_back(layer);
-    session.document.apply(std::move(content), "Add layer");
-    session.document.endGesture();
-    return;
+    layer.name = unusedName(content.recipe, "wrinkles");
+    content.recipe.layers.push_back(std::move(layer));
+    return apply(std::move(content), count, "Add layer");
   }
   ImGui::SameLine();
-  if (button("layer.copy", "Copy", "Add a layer like the selected one",
-             some && recipe.layers.size() < kMaxLayers)) {
+  if (button("layer.copy", "Copy", "Add a layer like the selected one", some && count < kMaxLayers)) {
     Content content = session.document.content();
     LayerRecipe layer = content.recipe.layers[selected];
-    layer.name = unusedName(recipe, layer.name);
-    state.layer = layer.name;
-    content.recipe.layers.insert(content.recipe.layers.begin() + selected + 1, layer);
-    session.document.apply(std::move(content), "Copy layer");
-    session.document.endGesture();
-    return;
+    layer.name = unusedName(content.recipe, layer.name);
+    content.recipe.layers.insert(content.recipe.layers.begin() + selected + 1, std::move(layer));
+    return apply(std::move(content), selected + 1, "Copy layer");
   }
   ImGui::SameLine();
   if (button("layer.remove", "Remove", "Remove the selected layer; a recipe keeps at least one",
-             some && recipe.layers.size() > 1)) {
+             some && count > 1)) {
     Content content = session.document.content();
     content.recipe.layers.erase(content.recipe.layers.begin() + selected);
-    state.layer = content.recipe.layers[std::min<size_t>(selected, content.recipe.layers.size() - 1)].name;
-    session.document.apply(std::move(content), "Remove layer");
-    session.document.endGesture();
-    return;
+    return apply(std::move(content), std::min<size_t>(selected, count - 2), "Remove layer");
   }
   ImGui::SameLine();
   if (button("layer.up", "\xe2\x96\xb2", "Move the layer up; the order is that of the asset's weights",
@@ -110,7 +108,7 @@ void drawList(State& state) {
     return moveLayer(session, selected, selected - 1);
   ImGui::SameLine();
   if (button("layer.down", "\xe2\x96\xbc", "Move the layer down; the order is that of the asset's weights",
-             some && selected + 1 < recipe.layers.size()))
+             some && selected + 1 < count))
     moveLayer(session, selected, selected + 1);
 }
 
@@ -133,58 +131,24 @@ bool channelRow(const std::string& id, uint32_t& channel) {
   return true;
 }
 
-void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFrame* frame) {
-  if (!section("section.response", "Response", "How a squeeze becomes a weight")) return;
-  Session& session = state.session;
-  const Response* shown_response = &layer.response;
-  Response fitted;
-  std::vector<float> stretches;
-  if (session.shown()) {
-    const uint32_t index = state.assetLayer(*session.shown());
-    if (index != pipeline::kNoIndex) {
-      fitted = session.shown()->view().layers[index].response;
-      if (layer.fit) shown_response = &fitted;
-      if (frame) {
-        session.shown()->surface.pose(frame->input);
-        stretches = session.shown()->surface.stretches(index, frame->input.scale);
-      }
-    }
-  }
-  drawResponsePlot(*shown_response, layer.response.curve == Curve::kOat && !layer.fit, stretches);
+void drawFit(State& state, const LayerRecipe& layer, const Response& fitted) {
+  float target = static_cast<float>(*layer.fit);
+  if (slider("layer.fit_weight", "Weight at 95%", target, 0.01f, 0.99f, "%.2f",
+             "The weight that 95% of the layer's area stay at or below under the clips, 0.01 to 0.99"))
+    state.edit("Weight of fit", [&](LayerRecipe& edited) { edited.fit = double{target}; });
+  char text[64];
+  std::snprintf(text, sizeof text, "lambda %.3g, beta %.3g", static_cast<double>(fitted.lambda),
+                static_cast<double>(fitted.beta));
+  row("Fitted");
+  ImGui::TextDisabled("%s", text);
+}
 
-  bool fit = layer.fit.has_value();
-  if (checkbox(
-          "layer.fit", "Fit to clips", fit,
-          "Work lambda and beta out from the animation, so that 95% of the layer stay at or below a weight"))
-    state.edit(fit ? "Fit response" : "Keep response", [&](LayerRecipe& edited) {
-      if (fit)
-        edited.fit = 0.9;
-      else {
-        edited.fit.reset();
-        edited.response = *shown_response;
-      }
-      edited.response.curve = Curve::kLarsson;
-    });
-  if (layer.fit) {
-    float target = static_cast<float>(*layer.fit);
-    if (slider("layer.fit_weight", "Weight at 95%", target, 0.01f, 0.99f, "%.2f",
-               "The weight that 95% of the layer's area stay at or below under the clips, 0.01 to 0.99"))
-      state.edit("Weight of fit", [&](LayerRecipe& edited) { edited.fit = double{target}; });
-    char text[64];
-    std::snprintf(text, sizeof text, "lambda %.3g, beta %.3g", static_cast<double>(fitted.lambda),
-                  static_cast<double>(fitted.beta));
-    row("Fitted");
-    ImGui::TextDisabled("%s", text);
-    return;
-  }
-  if (layer.response.curve == Curve::kOat) {
-    ImGui::TextDisabled("Linear in the area (no lambda, no beta)");
-    if (button("layer.give_curve", "Give it lambda and beta",
-               "Use the curved response in place of the linear one"))
-      state.edit("Curved response", [](LayerRecipe& edited) { edited.response = Response{}; });
-    return;
-  }
+void drawCurve(State& state, const LayerRecipe& layer) {
   Response response = layer.response;
+  const auto follow = [&response] {
+    response.stretch_beta = response.beta;
+    response.stretch_lambda = std::max(response.lambda, 1.0f);
+  };
   const bool stretch_follows =
       response.stretch_beta == response.beta && response.stretch_lambda == std::max(response.lambda, 1.0f);
   bool changed =
@@ -197,15 +161,12 @@ void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFr
              "How steeply wrinkles grow with the squeeze: 1 soft, 4 usual, 16 a switch. 0.25 to 32, no unit; "
              "Ctrl+click to type",
              ImGuiSliderFlags_Logarithmic);
-  if (changed && stretch_follows) {
-    response.stretch_beta = response.beta;
-    response.stretch_lambda = std::max(response.lambda, 1.0f);
-  }
+  if (changed && stretch_follows) follow();
   bool own = !stretch_follows;
   if (checkbox("layer.own_stretch", "Separate stretch", own,
                "Give the stretch map an onset and a steepness of its own")) {
-    response.stretch_beta = own ? response.beta * 1.5f : response.beta;
-    response.stretch_lambda = std::max(response.lambda, 1.0f);
+    follow();
+    if (own) response.stretch_beta *= 1.5f;
     changed = true;
   }
   if (own) {
@@ -217,6 +178,49 @@ void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFr
   }
   if (changed)
     state.edit("Response of " + layer.name, [&](LayerRecipe& edited) { edited.response = response; });
+}
+
+void drawResponse(State& state, const LayerRecipe& layer, const preview::PosedFrame* frame) {
+  if (!section("section.response", "Response", "How a squeeze becomes a weight")) return;
+  Response fitted = layer.response;
+  std::vector<float> stretches;
+  if (Shown* shown = state.session.shown().get()) {
+    const uint32_t index = state.assetLayer(*shown);
+    if (index != pipeline::kNoIndex) {
+      fitted = shown->view().layers[index].response;
+      if (frame) {
+        shown->surface.pose(frame->input);
+        stretches = shown->surface.stretches(index, frame->input.scale);
+      }
+    }
+  }
+  const Response& response = layer.fit ? fitted : layer.response;
+  const bool linear = layer.response.curve == Curve::kOat && !layer.fit;
+  drawResponsePlot(response, linear, stretches);
+
+  bool fit = layer.fit.has_value();
+  if (checkbox(
+          "layer.fit", "Fit to clips", fit,
+          "Work lambda and beta out from the animation, so that 95% of the layer stay at or below a weight"))
+    state.edit(fit ? "Fit response" : "Keep response", [&](LayerRecipe& edited) {
+      if (fit)
+        edited.fit = 0.9;
+      else {
+        edited.fit.reset();
+        edited.response = response;
+      }
+      edited.response.curve = Curve::kLarsson;
+    });
+  if (layer.fit) {
+    drawFit(state, layer, fitted);
+  } else if (linear) {
+    ImGui::TextDisabled("Linear in the area (no lambda, no beta)");
+    if (button("layer.give_curve", "Give it lambda and beta",
+               "Use the curved response in place of the linear one"))
+      state.edit("Curved response", [](LayerRecipe& edited) { edited.response = Response{}; });
+  } else {
+    drawCurve(state, layer);
+  }
 }
 
 // What a text field and a choice of channel make of a vertex attribute; true when changed.
@@ -469,7 +473,9 @@ void drawLayerPanel(State& state, const preview::PosedFrame* frame) {
     if (session.shown()) drawAsset(state, frame);
     return;
   }
-  drawList(state);
+  ImGui::TextDisabled("Layers");
+  drawRows(state);
+  drawListButtons(state);
   const uint32_t selected = state.documentLayer();
   if (selected == pipeline::kNoIndex) return;
   const LayerRecipe layer = session.document.recipe().layers[selected];

@@ -18,8 +18,7 @@ float em();  // the font's height in pixels: the unit of every size
 struct Colors {
   static constexpr ImU32 kAccent = IM_COL32(236, 160, 72, 255), kText = IM_COL32(222, 222, 224, 255),
                          kDim = IM_COL32(148, 150, 156, 255), kGrid = IM_COL32(255, 255, 255, 22),
-                         kRed = IM_COL32(240, 98, 84, 255), kGreen = IM_COL32(120, 190, 120, 255),
-                         kBlue = IM_COL32(104, 158, 222, 255), kShade = IM_COL32(16, 17, 19, 235);
+                         kRed = IM_COL32(240, 98, 84, 255), kGreen = IM_COL32(120, 190, 120, 255);
 };
 
 // Fonts, colours and spacing for a screen with `scale` times the usual number of pixels. Call before the
