@@ -5,7 +5,7 @@ function(furrow_embed target header namespace)
 endfunction()
 
 function(furrow_embed_bytes target header namespace)
-  furrow_embed_by(embed_bytes.cmake ${target} ${header} ${namespace} ${ARGN})
+  furrow_embed_by(embed_numbers.cmake ${target} ${header} ${namespace} ${ARGN})
 endfunction()
 
 function(furrow_embed_by script target header namespace)

@@ -38,14 +38,14 @@ endmacro()
 
 function(furrow_embed_shaders target)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/generated)
-  set(scripts ${PROJECT_SOURCE_DIR}/cmake/embed.cmake ${PROJECT_SOURCE_DIR}/cmake/embed_words.cmake)
+  set(scripts ${PROJECT_SOURCE_DIR}/cmake/embed.cmake ${PROJECT_SOURCE_DIR}/cmake/embed_numbers.cmake)
   add_custom_command(OUTPUT ${out}/shader_text.h
                      COMMAND ${CMAKE_COMMAND} "-DOUT=${out}/shader_text.h" "-DNAMESPACE=furrow::shader_text" "-DFILES=${furrow_shader_texts}"
                              -P ${PROJECT_SOURCE_DIR}/cmake/embed.cmake
                      DEPENDS ${furrow_shader_texts} ${scripts} VERBATIM)
   add_custom_command(OUTPUT ${out}/shader_spirv.h
-                     COMMAND ${CMAKE_COMMAND} "-DOUT=${out}/shader_spirv.h" "-DNAMESPACE=furrow::shader_spirv" "-DFILES=${furrow_spirv}"
-                             -P ${PROJECT_SOURCE_DIR}/cmake/embed_words.cmake
+                     COMMAND ${CMAKE_COMMAND} "-DOUT=${out}/shader_spirv.h" "-DNAMESPACE=furrow::shader_spirv" "-DFILES=${furrow_spirv}" -DWORDS=ON
+                             -P ${PROJECT_SOURCE_DIR}/cmake/embed_numbers.cmake
                      DEPENDS ${furrow_spirv} ${scripts} VERBATIM)
   target_sources(${target} PRIVATE ${out}/shader_text.h ${out}/shader_spirv.h)
   target_include_directories(${target} PRIVATE ${out})

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -45,6 +46,22 @@ void forEachInParallel(size_t count, const Job& job) {
   std::vector<std::jthread> threads(
       std::min<size_t>(count, std::max(2u, std::thread::hardware_concurrency())));
   for (std::jthread& thread : threads) thread = std::jthread(work);
+}
+
+// Whether Python and its jsonschema are there to ask, and whether the file is valid by a schema of docs/.
+inline bool knowsSchemas() {
+  return std::system("python3 -c 'import jsonschema' 2>/dev/null") == 0;
+}
+inline bool validBySchema(const std::filesystem::path& schema, const std::filesystem::path& file) {
+  const std::string check =
+      "python3 -c 'import json, sys, jsonschema\n"
+      "schema = json.load(open(sys.argv[1]))\n"
+      "jsonschema.Draft7Validator.check_schema(schema)\n"
+      "valid = jsonschema.Draft7Validator(schema).is_valid(json.load(open(sys.argv[2])))\n"
+      "sys.exit(0 if valid else 9)' ";
+  const int status = std::system((check + schema.string() + " " + file.string()).c_str());
+  EXPECT_TRUE(status == 0 || WEXITSTATUS(status) == 9) << "Python failed";
+  return status == 0;
 }
 
 struct Outcome {
