@@ -16,6 +16,8 @@ packages=(
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev libvulkan-dev mesa-vulkan-drivers xvfb xauth python3-jsonschema
 )
+# The test other_cpu: a compiler for 64-bit ARM and an emulator.
+[[ $(dpkg --print-architecture 2>/dev/null) == amd64 ]] && packages+=(g++-aarch64-linux-gnu qemu-user)
 
 if ! command -v apt-get >/dev/null; then
   echo "deps: this is no Debian; install the equivalents of: ${packages[*]}" >&2
