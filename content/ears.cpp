@@ -104,8 +104,8 @@ FacePart ears() {
     part.addPoint(p, p.y < head::lipLine(0), p.y < 0);
   }
   static const Frame frame;
-  std::map<std::pair<uint32_t, bool>, uint32_t>
-      vertex_of;  // a chart each for what faces out and what faces in
+  // A chart each for what faces out and what faces in.
+  std::map<std::pair<uint32_t, bool>, uint32_t> vertex_of;
   for (const std::array<uint32_t, 4>& quad : net.quads) {
     // What lies on the bare head is the skin's.
     const auto stands_out = [&](uint32_t p) { return head::distance(net.points[p]) > 0.004; };

@@ -68,8 +68,8 @@ Influence influence(double x, double width) {
 // A tube along X, point (ring, spoke) at profile[ring] = (x, radius); the seam is at the back of the arm.
 struct Tube {
   SurfaceMesh mesh;
-  std::vector<glm::dvec2>
-      place;  // x on the unrolled cloth (metres from the shoulder), angle from +Z towards +Y; a point
+  // A point: x on the unrolled cloth (metres from the shoulder), angle from +Z towards +Y.
+  std::vector<glm::dvec2> place;
 };
 
 template <class Radius>

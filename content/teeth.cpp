@@ -15,8 +15,8 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
-constexpr dvec3 kEnamel(1.0, 0.90, 0.74), kGum(0.55, 0.20, 0.20),
-    kTongue(0.50, 0.19, 0.18);  // of the material's
+// Of the material's.
+constexpr dvec3 kEnamel(1.0, 0.90, 0.74), kGum(0.55, 0.20, 0.20), kTongue(0.50, 0.19, 0.18);
 
 // Columns and rows of points, `from` on; quads that face out are counter-clockwise.
 void addGrid(FacePart& part, uint32_t from, uint32_t columns, uint32_t rows, bool turned) {

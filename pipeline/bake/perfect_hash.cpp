@@ -140,8 +140,8 @@ class PilotSearch {
   bool placeByForce(uint32_t bucket) {
     uint64_t best_cost = std::numeric_limits<uint64_t>::max();
     uint32_t best_pilot = 0;
-    uint32_t first =
-        89 * forced_++;  // elsewhere every time, so that two buckets do not evict each other for ever
+    // Elsewhere every time, so that two buckets do not evict each other for ever.
+    const uint32_t first = 89 * forced_++;
     for (uint32_t i = 0; i < kPilots; ++i) {
       uint32_t pilot = (first + i) % kPilots;
       if (!findSlots(bucket, pilot)) continue;

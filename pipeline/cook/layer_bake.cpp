@@ -16,8 +16,8 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr float kFadeBegin = 0.03f,
-                kFadeEnd = 0.15f;  // peak squeeze at which the automatic mask starts and is full
+// Peak squeeze at which the automatic mask starts and is full.
+constexpr float kFadeBegin = 0.03f, kFadeEnd = 0.15f;
 constexpr int kMaskBlurs = 4;
 constexpr float kUnsure = 0.25f;  // confidence below it counts as low
 

@@ -26,8 +26,7 @@ constexpr uint32_t kOverlapSize = 256;
 // Of the area of all charts, what may lie on others unsaid.
 constexpr double kMostShared = 0.05;
 constexpr uint32_t kSizeStep = 64, kMostSize = 2048, kDerivedMaskSize = 512;
-constexpr uint32_t kWindowMargin =
-    2;  // mask texels; bilinear filtering reads one further than the mask reaches
+constexpr uint32_t kWindowMargin = 2;     // mask texels; bilinear filtering reads one beyond the mask
 constexpr double kNearlyWhole = 0.9;      // of a period: not worth a window
 constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
 constexpr float kFaintest = 0.2f;         // depth of a synthesised map where the clips squeeze least
@@ -111,8 +110,7 @@ class MapBake {
         known_(known) {}
 
   std::vector<BakedTextureSet> bake() {
-    std::map<uint32_t, BakedTextureSet>
-        by_material;  // in material order, so that the result is the same on every run
+    std::map<uint32_t, BakedTextureSet> by_material;  // in order, so that every run gives the same
     for (uint32_t p = 0; p < in_.surface.parts.size(); ++p) {
       if (!in_.surface.parts[p].has_uvs) continue;
       const uint32_t material = in_.scene.parts[in_.surface.parts[p].source_part].material;

@@ -20,12 +20,11 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr double kCell = 0.62;   // spacings
-constexpr double kJitter = 0.6;  // cells
-constexpr double kCapture =
-    0.55;  // cells; a plane has 2 kCapture kernels per cell side squared, whatever its angle
-const glm::dquat kTilt =
-    glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));  // no surface in use lies along the grid
+constexpr double kCell = 0.62;     // spacings
+constexpr double kJitter = 0.6;    // cells
+constexpr double kCapture = 0.55;  // cells; a plane has 2 kCapture kernels per cell side squared at any angle
+// No surface in use lies along the grid.
+const glm::dquat kTilt = glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));
 constexpr double kPatch = 0.3;  // spacings: triangles that share a cell lie within it
 constexpr double kMaxPieces = 4e6;
 constexpr int kSweeps = 48;

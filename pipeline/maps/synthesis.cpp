@@ -16,9 +16,8 @@ namespace {
 constexpr float kPi = 3.14159265f;
 constexpr float kSteepest = 1.2f;     // slope; the runtime's fast normalisation is good up to 1.22
 constexpr float kMinorDepth = 0.22f;  // of a full minor crease, of the whole depth
-constexpr float kBroken = 0.35f,
-                kWhole =
-                    0.8f;  // coherence of the waves where lines end, and from which they are at full depth
+// Coherence of the waves where lines end, and from which they are at full depth.
+constexpr float kBroken = 0.35f, kWhole = 0.8f;
 
 Irregularity irregularityOf(Preset preset) {
   switch (preset) {

@@ -13,9 +13,8 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr double kHalfDiagonal = 0.70711;
-constexpr double kInsideSlack =
-    1e-9;  // of barycentric coordinates, so that centres on a shared edge fall into no gap
-constexpr double kBandSlack = 1e-3;  // texels that are looked at beyond those that can pass
+constexpr double kInsideSlack = 1e-9;  // of barycentrics: centres on a shared edge fall into no gap
+constexpr double kBandSlack = 1e-3;    // texels that are looked at beyond those that can pass
 
 using Corners = std::array<glm::dvec2, 3>;  // in texels, centres at integers
 
@@ -185,8 +184,8 @@ class Mapper {
   const TexelGrid grid_;
   const glm::dvec2 period_;  // of UVs, in texels
   std::vector<double> distance2_;
-  std::vector<uint32_t>
-      next_open_;  // width + 1 a row: itself, or a texel behind it that may be in no triangle
+  // width + 1 a row: itself, or a texel behind it that may be in no triangle.
+  std::vector<uint32_t> next_open_;
   TexelMap map_;
 };
 

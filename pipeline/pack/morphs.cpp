@@ -13,8 +13,7 @@ namespace {
 constexpr double kStepsAShortEdge = 64.0;
 constexpr double kStepsAcross = 32768.0;  // of the largest side of the parts it moves
 constexpr size_t kFew = 128;              // vertices that take about a kilobyte at most
-constexpr float kCheap =
-    4.0f;  // steps that a prediction may be wrong by before finer ones take more than 4 bits
+constexpr float kCheap = 4.0f;  // steps that a prediction may miss by before finer ones take more than 4 bits
 
 float quantile(std::vector<float>& values, size_t above, size_t of) {
   if (values.empty()) return 0.0f;

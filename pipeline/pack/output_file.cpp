@@ -99,8 +99,8 @@ bool writeThrough(const std::filesystem::path& file, std::span<const std::byte> 
 bool replace(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   std::error_code error;
   const std::filesystem::path target = std::filesystem::canonical(file, error);
-  const std::filesystem::path& name =
-      error ? file : target;  // the name of nothing yet, or of what a link leads to
+  // The name of nothing yet, or of what a link leads to.
+  const std::filesystem::path& name = error ? file : target;
   removeLeftovers(name);
   return Temporary(name).becomes(name, bytes);
 }

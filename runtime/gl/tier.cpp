@@ -40,8 +40,8 @@ Support querySupport() {
 
 Form formOf(Tier tier) {
   if (tier == Tier::kGpuRaster) return Form::kRaster;
-  constexpr GLint kBuffers = 16,
-                  kSharedBytes = 32 << 10;  // as shaders/cluster.comp has it; all of GL 4.3 has the bytes
+  // As shaders/cluster.comp has them; all of GL 4.3 has the bytes.
+  constexpr GLint kBuffers = 16, kSharedBytes = 32 << 10;
   GLint buffers = 0, shared = 0;
   glGetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &buffers);
   glGetIntegerv(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, &shared);
