@@ -10,12 +10,17 @@
 namespace furrow::pipeline {
 namespace {
 
+// Depths that are worked out are those of a face where morph targets squeeze the layer.
+bool needsSqueeze(const Map& map) {
+  const auto* height = std::get_if<MapHeight>(&map);
+  return std::holds_alternative<MapSynthesized>(map) || (height && height->depth == 0.0);
+}
+
 bool needsSqueeze(const Recipe& recipe) {
   return std::any_of(recipe.layers.begin(), recipe.layers.end(), [](const LayerRecipe& layer) {
     return std::holds_alternative<DirectionAnimation>(layer.direction) ||
-           std::holds_alternative<MaskAuto>(layer.mask) ||
-           std::holds_alternative<MapSynthesized>(layer.compress) ||
-           std::holds_alternative<MapSynthesized>(layer.stretch);
+           std::holds_alternative<MaskAuto>(layer.mask) || needsSqueeze(layer.compress) ||
+           needsSqueeze(layer.stretch);
   });
 }
 

@@ -18,6 +18,7 @@ constexpr int64_t kDay = 24 * 60 * 60;
 struct Timecode {
   int64_t seconds = 0;
   double frame = 0.0;
+  size_t line = 0;  // of the file
 };
 
 std::string inQuotes(std::string_view text) {
@@ -120,7 +121,7 @@ class Reader {
         fail(inQuotes(text) + " is no timecode", "write HH:MM:SS:FF");
       begin = end + 1;
     }
-    return {static_cast<int64_t>(parts[0] * 3600.0 + parts[1] * 60.0 + parts[2]), parts[3]};
+    return {static_cast<int64_t>(parts[0] * 3600.0 + parts[1] * 60.0 + parts[2]), parts[3], line_};
   }
 
   void setTimes(const std::vector<Timecode>& codes, Take& take) {
@@ -136,7 +137,7 @@ class Reader {
       if (f > 0 && codes[f - 1].seconds - codes[f].seconds > kDay / 2) day += kDay;
       const double time = static_cast<double>(day + codes[f].seconds - codes[0].seconds) +
                           (codes[f].frame - codes[0].frame) / rate;
-      line_ = f + 2;
+      line_ = codes[f].line;
       if (!take.times.empty() && time < take.times.back())
         fail("its timecode lies before that of the frame above", "sort the frames, or split the take");
       if (!take.times.empty() && time == take.times.back()) {

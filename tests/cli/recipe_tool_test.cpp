@@ -75,6 +75,21 @@ TEST_F(RecipeTool, TheRecipeItWritesSaysWhatWasWorkedOut) {
   EXPECT_NEAR(map.at("spacing"), std::sqrt(2.0) / 36.0, 1e-5);
 }
 
+// Whether morph targets squeeze the layer is asked for a height's depth alone, too.
+TEST_F(RecipeTool, AHeightsDepthIsThatOfAFaceWhateverElseIsAsked) {
+  write("height.pgm", "P5 2 2 255\n\x10\x80\xc0\xf0");
+  const auto depth = [&](const std::string& direction) {
+    const std::string recipe =
+        write("recipe.json",
+              R"({"layers":[{"name":"a","mask":"none","compress":{"height":"height.pgm"},"direction":)" +
+                  direction + "}]}");
+    EXPECT_EQ(cook({"--recipe", recipe, "--init", init, "--force", "--quiet"}).status, 0);
+    return json::parse(readText(init)).at("layers").at(0).at("compress").at("depth").get<double>();
+  };
+  const double asked = depth("\"animation\"");
+  EXPECT_EQ(depth(R"({"axis":[1,0,0]})"), asked);
+}
+
 TEST_F(RecipeTool, AFittedResponseIsToldAndWritten) {
   const std::string recipe = write("recipe.json", R"({"layers":[{"name":"a","direction":{"axis":[1,0,0]},
     "mask":"none","response":{"fit":0.9}}]})");

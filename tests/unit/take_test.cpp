@@ -109,6 +109,8 @@ TEST(Take, FaultsAreNamedByTheirLine) {
               "line 2: \"" + std::string(bad) + "\" is no timecode: write HH:MM:SS:FF");
   EXPECT_EQ(errorOf(kHead + "00:00:01:00,2,0,0\n" + good),
             "line 3: its timecode lies before that of the frame above: sort the frames, or split the take");
+  EXPECT_EQ(errorOf(kHead + "\n00:00:01:00,2,0,0\n\n" + good),
+            "line 5: its timecode lies before that of the frame above: sort the frames, or split the take");
   EXPECT_EQ(errorOf(kHead + "\"00:00:00:00,2,0,0\n"), "line 2: a quote is not closed: close it");
 }
 
