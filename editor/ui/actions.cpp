@@ -1,8 +1,10 @@
 #include "editor/ui/actions.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "editor/ui/widgets.h"
@@ -82,10 +84,23 @@ void drawMenus(const std::vector<Action>& actions) {
   }
 }
 
-void runKeys(const std::vector<Action>& actions) {
-  if (ImGui::GetIO().WantTextInput || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
-  // Arrows, Space and Enter belong to the widget that the keyboard is on.
+void runKeys(const std::vector<Action>& actions, const Action*& waiting) {
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) return;
+  if (const Action* action = std::exchange(waiting, nullptr)) return action->run();
   const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput) {
+    for (const Action& action : actions) {
+      const Chord& chord = action.chord;
+      if (!chord.ctrl || chord.key >= key::kEscape || std::strchr("ACVXYZ", chord.key) || !pressed(chord) ||
+          !action.enabled())
+        continue;
+      ImGui::ClearActiveID();
+      waiting = &action;
+      return;
+    }
+    return;
+  }
+  // Arrows, Space and Enter belong to the widget that the keyboard is on.
   const bool on_widget = io.NavVisible && (io.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) != 0;
   for (const Action& action : actions) {
     const int code = action.chord.key;

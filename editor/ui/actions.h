@@ -37,9 +37,11 @@ struct Action {
   std::function<void()> submenu = {};  // draws the items of a menu of its own; `run` is not used
 };
 
-// Menus of the main bar, in order, and what the keys ask for. Keys are not looked at while text is typed.
+// Menus of the main bar, in order, and what the keys ask for. While text is typed, letters and the keys that
+// edit text are the text's; what another one with Ctrl asks for is left in `waiting` until the next call,
+// when what was typed has been taken over.
 void drawMenus(const std::vector<Action>& actions);
-void runKeys(const std::vector<Action>& actions);
+void runKeys(const std::vector<Action>& actions, const Action*& waiting);
 // A button of the toolbar for an action, or nothing where `id` is none.
 void actionButton(const std::vector<Action>& actions, const char* id, const char* label);
 

@@ -113,7 +113,7 @@ void FileDialog::draw() {
   }
   mark("dialog.folder");
   tooltip("The folder that is shown; type another and press Enter");
-  ImGui::BeginChild("files", {0.0f, -5.6f * em()}, true);
+  ImGui::BeginChild("files", {0.0f, -5.6f * em()}, true, ImGuiWindowFlags_NavFlattened);
   fs::path entered;
   for (const Entry& entry : entries_) {
     const std::string label = (entry.folder ? "\xe2\x96\xb6  " : "     ") + entry.name;
@@ -294,7 +294,7 @@ void drawFirstStart(State& state, Samples& samples, SamplePictures& pictures,
   // In a low window the pictures leave room for what is below them.
   const float width = std::min({38.0f * em(), size.x - 4.0f * em(), std::max(0.9f * size.y, 16.0f * em())});
   ImGui::SetCursorScreenPos({low.x + 0.5f * (size.x - width), low.y + std::max(0.08f * size.y, em())});
-  ImGui::BeginChild("first", {width, size.y * 0.88f}, false);
+  ImGui::BeginChild("first", {width, size.y * 0.88f}, false, ImGuiWindowFlags_NavFlattened);
   ImGui::PushFont(titleFont());
   ImGui::TextUnformatted("furrow");
   ImGui::PopFont();

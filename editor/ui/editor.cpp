@@ -148,7 +148,7 @@ void Editor::frame(double seconds) {
   frame_.reset();
   if (session.shown()) frame_ = session.player.frame(*session.shown()->loaded);
   if (share_.running()) share_.step(state_, viewport_);
-  runKeys(actions_);
+  runKeys(actions_, waiting_);
 
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   drawMenuBar();
@@ -193,8 +193,10 @@ void Editor::frame(double seconds) {
     ImGui::End();
   }
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  // On the first panel the keyboard goes from button to button, over a character it moves the camera.
+  if (!panels && !ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow)) ImGui::SetNextWindowFocus();
   beginPanel("View", {left, body_top}, {middle, body - problems},
-             ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoNavInputs);
+             ImGuiWindowFlags_NoScrollWithMouse | (panels ? ImGuiWindowFlags_NoNavInputs : 0));
   ImGui::PopStyleVar();
   if (panels)
     viewport_.draw(state_, frame_ ? &*frame_ : nullptr);

@@ -64,8 +64,9 @@ class Editor {
   SamplePictures sample_pictures_;
   FileDialog files_;
   std::optional<preview::PosedFrame> frame_;
-  uint64_t told_ = 0;  // messages already seen
-  int tool_rows_ = 1;  // of the toolbar
+  const Action* waiting_ = nullptr;  // for what is typed to be taken over
+  uint64_t told_ = 0;                // messages already seen
+  int tool_rows_ = 1;                // of the toolbar
   std::array<float, 5> group_widths_{};
 };
 

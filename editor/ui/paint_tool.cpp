@@ -23,6 +23,13 @@ const char* nameOf(Painted kind) {
   return kind == Painted::kMask ? "mask" : kind == Painted::kDirection ? "direction" : "bias";
 }
 
+// Whether the mask ends nowhere on the surface that the layer lies on.
+bool isWhole(const pipeline::Mask& mask, const AssetView& asset, uint32_t layer) {
+  if (std::holds_alternative<pipeline::MaskNone>(mask)) return true;
+  if (!std::holds_alternative<pipeline::MaskAuto>(mask) || layer == pipeline::kNoIndex) return false;
+  return std::ranges::all_of(asset.layers[layer].mask, [](uint8_t m) { return m == 0 || m == 255; });
+}
+
 }  // namespace
 
 void PaintTool::forget() {
@@ -75,8 +82,8 @@ bool PaintTool::begin(State& state, Painted kind) {
       session.tell(Message::Kind::kError, error.what());
     }
   }
-  // A mask that is painted for a layer on the whole surface begins black: all white would be no mask.
-  if (!before && kind == Painted::kMask && std::holds_alternative<pipeline::MaskNone>(layer.mask))
+  // Where all that the layer lies on is white, a mask begins black: strokes could add nothing to it.
+  if (!before && kind == Painted::kMask && isWhole(layer.mask, asset, state.assetLayer(*shown_)))
     before = std::make_shared<pipeline::ByteImage>(
         canvas_->current(kind, asset, static_cast<uint32_t>(asset.layerCount())));
   if (!before)

@@ -42,7 +42,7 @@ void heldSlider(const std::string& prefix, const std::string& name, std::map<std
 void drawPlayPanel(State& state, const preview::PosedFrame* frame, Share& share) {
   Session& session = state.session;
   if (!session.shown() || !frame) {
-    ImGui::TextDisabled(session.source().empty() ? "Nothing is open" : "Cooking ...");
+    ImGui::TextDisabled(session.cooking() ? "Cooking ..." : "Nothing to play");
     return;
   }
   const AssetView& asset = session.shown()->view();

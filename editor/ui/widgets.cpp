@@ -12,6 +12,8 @@
 #include <system_error>
 #include <vector>
 
+#include "editor/ui/actions.h"
+
 namespace furrow::editor::ui {
 namespace {
 
@@ -342,9 +344,14 @@ bool direction(const char* id, const char* label, std::array<double, 3>& value, 
 
 bool field(const char* id, const char* label, std::string& value, const char* tip) {
   row(label);
+  static std::string typed;  // of the one that has the keyboard
   std::string text = value;
   const bool entered = ImGui::InputText(hidden(id).c_str(), &text, ImGuiInputTextFlags_EnterReturnsTrue);
   const bool left = ImGui::IsItemDeactivatedAfterEdit();
+  if (ImGui::IsItemActive())
+    typed = text;
+  else if (left && text == value && !ImGui::IsKeyPressed(key::kEscape))
+    text = typed;  // the keyboard was taken from it
   if (!(entered || left) || text == value) return done(id, tip, false);
   value = text;
   return done(id, tip, true);

@@ -46,6 +46,13 @@ inline std::string editorSheet() {
       R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
 }
 
+// With nothing that moves it.
+inline std::string editorStill() {
+  return editorSheetBuilder().glb(
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
+      R"({"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1}]}])");
+}
+
 // Without any name, of mesh, material, clip or morph target.
 inline std::string editorNameless() {
   return editorSheetBuilder().glb(

@@ -305,6 +305,22 @@ expect no error
   EXPECT_EQ(mask.channels, 1u);
 }
 
+TEST_F(EditorTest, AMaskPaintedWhereAllWasWhiteBeginsBlack) {
+  const fs::path still = write("still.glb", editorStill());  // nothing squeezes it: its mask is white
+  expectPlays("open " + still.string() + R"(
+wait
+key M
+drag viewport 0.42 0.6 0.6 0.6
+wait
+key Ctrl+S
+expect saved
+)");
+  const Image mask = pipeline::readImage(folder() / "still_wrinkles_mask.png");
+  const auto [least, most] = std::minmax_element(mask.pixels.begin(), mask.pixels.end());
+  EXPECT_EQ(*least, 0.0f);
+  EXPECT_GT(*most, 0.7f);
+}
+
 // Largest difference of a block in what the renderer draws.
 #define VIEWS_DIFFER(a, b) difference(view(a), view(b), kBlock).worst_block
 
@@ -741,6 +757,45 @@ expect message "4 frames written"
               quarter = pipeline::readImage(frames / "frame_0001.png");
   EXPECT_EQ(first.width, 64u);
   EXPECT_GT(difference(first, quarter, kBlock).mean, 2.0);
+}
+
+TEST_F(EditorTest, TheKeyboardReachesTheFirstPanelAndTheListOfFiles) {
+  expectPlays(R"(
+key Down
+key Down
+key Down
+key Space
+expect widget dialog.name
+)");
+  write("another.glb", editorSheet());
+  expectPlays(sheet() + R"(
+key Ctrl+O
+key Enter
+key Up
+key Up
+key Up
+key Space
+key Space
+wait
+expect layers wrinkles
+)");
+}
+
+TEST_F(EditorTest, WhatIsTypedIsTakenOverWhereAKeySaves) {
+  expectPlays(sheet() + R"(
+doubleclick layer.name 0.9 0.5
+key Ctrl+A
+type pleats
+key Ctrl+S
+expect layers pleats other
+expect saved
+doubleclick layer.name 0.9 0.5
+key Ctrl+A
+type folds
+key Escape
+expect layers pleats other
+)");
+  EXPECT_NE(readText(folder() / "sheet.json").find("\"pleats\""), std::string::npos);
 }
 
 TEST_F(EditorTest, ASavedPictureShowsBothSidesOfASplitView) {
