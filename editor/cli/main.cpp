@@ -8,11 +8,13 @@
 
 #include "editor/cli/commands.h"
 #include "pipeline/error.h"
+#include "pipeline/heap.h"
 #include "pipeline/one_line.h"
 
 int main(int argc, char** argv) {
   using furrow::pipeline::Exit;
   std::signal(SIGXFSZ, SIG_IGN);  // a file too long for the user's limit is a fault of writing like any other
+  furrow::pipeline::keepFreedMemory();
   CLI::App app("furrow: wrinkles computed on every frame from how the surface is squeezed");
   app.set_version_flag("--version", "furrow " FURROW_VERSION);
   app.require_subcommand(1);

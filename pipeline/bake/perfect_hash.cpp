@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <queue>
 #include <stdexcept>
 #include <utility>
@@ -17,6 +18,7 @@ using namespace place_hash;
 namespace {
 
 constexpr uint32_t kFree = 0xffffffffu;
+constexpr size_t kAhead = 8;  // buckets whose hashes are fetched before their turn
 
 Key keyOf(const glm::vec3& p) {
   return Key(Float3{p.x, p.y, p.z});
@@ -41,7 +43,7 @@ struct Buckets {
   }
 };
 
-bool hasEqualHashes(Buckets buckets) {
+bool hasEqualHashes(Buckets& buckets) {  // sorts each
   for (uint32_t b = 0; b < buckets.count(); ++b) {
     auto first = buckets.hashes.begin() + buckets.begins[b],
          last = buckets.hashes.begin() + buckets.begins[b + size_t{1}];
@@ -72,13 +74,12 @@ class PilotSearch {
 
   // False if the search went round in circles.
   bool run() {
-    std::vector<uint32_t> order(buckets_.count());
-    for (uint32_t b = 0; b < order.size(); ++b) order[b] = b;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](uint32_t a, uint32_t b) { return buckets_.size(a) > buckets_.size(b); });
+    const std::vector<uint32_t> order = largestFirst();
     uint64_t evictions_left = 1000 + 10 * uint64_t{buckets_.count()};
-    for (uint32_t bucket : order) {
+    for (size_t i = 0; i < order.size(); ++i) {
+      const uint32_t bucket = order[i];
       if (buckets_.size(bucket) == 0) break;
+      if (i + kAhead < order.size()) __builtin_prefetch(&buckets_.hashes[buckets_.begins[order[i + kAhead]]]);
       if (placeInFreeRoom(bucket)) continue;
       evicted_.push({buckets_.size(bucket), bucket});
       while (!evicted_.empty()) {
@@ -95,6 +96,16 @@ class PilotSearch {
   bool taken(uint32_t slot) const { return owner_[slot] != kFree; }
 
  private:
+  std::vector<uint32_t> largestFirst() const {
+    uint32_t largest = 0;
+    for (uint32_t b = 0; b < buckets_.count(); ++b) largest = std::max(largest, buckets_.size(b));
+    std::vector<uint32_t> begins(largest + size_t{2}), order(buckets_.count());
+    for (uint32_t b = 0; b < buckets_.count(); ++b) ++begins[largest - buckets_.size(b) + size_t{1}];
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    for (uint32_t b = 0; b < buckets_.count(); ++b) order[begins[largest - buckets_.size(b)]++] = b;
+    return order;
+  }
+
   bool isTaken(uint32_t slot) const { return (taken_[slot / 64] >> (slot % 64) & 1) != 0; }
 
   // Into slots_; false if two of the bucket's own hashes meet.

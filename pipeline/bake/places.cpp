@@ -6,13 +6,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "pipeline/bake/index_table.h"
 #include "runtime/src/near_cells.h"
 
 namespace furrow::pipeline {
 namespace {
 
-constexpr uint32_t kNone = 0xffffffffu;
-constexpr size_t kBlock = 64;  // vertices whose memory is fetched while the ones before are worked on
+constexpr uint32_t kNone = IndexTable::kFree;
+constexpr size_t kBlock = IndexTable::kBlock;
 constexpr double kCellTolerances = 32;  // edge of a cell: most balls then lie in one
 constexpr uint64_t kMostTests = 1000;   // a vertex
 
@@ -21,43 +22,10 @@ uint64_t hashOf(const glm::vec3& p) {  // adding zero turns -0 into 0
                      std::bit_cast<uint32_t>(p.z + 0.0f));
 }
 
-// An open-addressed table of indices below `most`. What an index leaves free of its word holds bits of the
-// hash, its tag, so that nearly every look at what an index leads to is at the right one.
-class Table {
- public:
-  explicit Table(size_t most)
-      : index_mask_(std::bit_ceil(static_cast<uint32_t>(most) + 1) - 1),
-        slot_mask_(std::bit_ceil(most + most / 2 + 1) - 1),
-        entries_(slot_mask_ + 1, kNone) {}
-
-  void prefetch(uint64_t hash) const { __builtin_prefetch(&entries_[hash >> 32 & slot_mask_], 1); }
-
-  // Goes to the first entry with this hash's tag that `accept` takes, or to a free one.
-  template <typename Accept>
-  uint32_t* find(uint64_t hash, Accept accept) {
-    for (size_t slot = hash >> 32 & slot_mask_;; slot = (slot + 1) & slot_mask_) {
-      uint32_t& entry = entries_[slot];
-      if (entry == kNone || (((entry ^ hash) & tagMask()) == 0 && accept(indexOf(entry)))) return &entry;
-    }
-  }
-
-  uint32_t entryOf(uint64_t hash, size_t index) const {
-    return (static_cast<uint32_t>(hash) & tagMask()) | static_cast<uint32_t>(index);
-  }
-  uint32_t indexOf(uint32_t entry) const { return entry & index_mask_; }
-
- private:
-  uint32_t tagMask() const { return ~index_mask_; }
-
-  uint32_t index_mask_;
-  size_t slot_mask_;
-  std::vector<uint32_t> entries_;
-};
-
 constexpr auto kAny = [](uint32_t) { return true; };
 
 Places findExact(std::span<const glm::vec3> vertices) {
-  Table table(vertices.size());
+  IndexTable table(vertices.size());
   Places places;
   places.vertex_position.resize(vertices.size());
   places.positions.reserve(vertices.size());
@@ -174,7 +142,7 @@ class NearSearch {
   std::span<const glm::vec3> vertices_;
   double tolerance_;
   NearCells cells_;
-  Table table_;              // to the last position of a cell
+  IndexTable table_;         // to the last position of a cell
   std::vector<Node> nodes_;  // a position
   Places places_;
   uint64_t tests_ = 0;

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <tuple>
 
-#include "pipeline/bake/bucket_sort.h"
+#include "pipeline/bake/index_table.h"
 #include "runtime/src/near_cells.h"
 
 namespace furrow::pipeline {
@@ -38,22 +37,26 @@ glm::dvec3 anyTangent(const glm::dvec3& normal) {
 // For each vertex the first one that agrees with it in position, normal and UV.
 std::vector<uint32_t> mergeEqual(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                                  std::span<const glm::vec2> uvs) {
-  const auto key = [&](uint32_t v) {
-    return std::tie(positions[v].x, positions[v].y, positions[v].z, normals[v].x, normals[v].y, normals[v].z,
-                    uvs[v].x, uvs[v].y);
+  const auto bits = [](float x) { return uint64_t{std::bit_cast<uint32_t>(x + 0.0f)}; };  // 0 is -0
+  const auto hashOf = [&](size_t v) {
+    const glm::vec3 p = positions[v], n = normals[v];
+    return hashOfThree(hashOfThree(bits(p.x), bits(p.y), bits(p.z)), bits(n.x) | bits(n.y) << 32,
+                       hashOfThree(bits(n.z), bits(uvs[v].x), bits(uvs[v].y)));
   };
-  const auto bits = [](float x) { return std::bit_cast<uint32_t>(x + 0.0f); };  // 0 is -0
-  const auto count = static_cast<uint32_t>(positions.size());
-  const std::vector<uint32_t> order = bucketSorted(
-      count, count,
-      [&](uint32_t v) {
-        const glm::vec3 p = positions[v];
-        return static_cast<uint32_t>(hashOfThree(bits(p.x), bits(p.y), bits(p.z)) % count);
-      },
-      [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+  IndexTable table(positions.size());
   std::vector<uint32_t> first(positions.size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
+  std::array<uint64_t, IndexTable::kBlock> hashes{};
+  for (size_t begin = 0; begin < first.size(); begin += hashes.size()) {
+    const size_t count = std::min(hashes.size(), first.size() - begin);
+    for (size_t i = 0; i < count; ++i) table.prefetch(hashes[i] = hashOf(begin + i));
+    for (size_t i = 0; i < count; ++i) {
+      const size_t v = begin + i;
+      uint32_t* entry = table.find(hashes[i], [&](uint32_t other) {
+        return positions[other] == positions[v] && normals[other] == normals[v] && uvs[other] == uvs[v];
+      });
+      if (*entry == IndexTable::kFree) *entry = table.entryOf(hashes[i], v);
+      first[v] = table.indexOf(*entry);
+    }
   }
   return first;
 }

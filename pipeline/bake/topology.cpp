@@ -16,6 +16,7 @@ Topology inspect(std::span<const glm::vec3> positions, std::span<const uint32_t>
   const std::span<const Float3> rest = asFloat3(positions);
   std::vector<bool> used(positions.size());
   std::vector<std::array<uint32_t, 3>> corners;
+  corners.reserve(triangles.size());
   for (const glm::uvec3& t : triangles) {
     for (int c = 0; c < 3; ++c) used[t[c]] = true;
     std::array<uint32_t, 3> points = {vertex_point[t.x], vertex_point[t.y], vertex_point[t.z]};

@@ -147,46 +147,50 @@ std::optional<Weld> weld(const SourceScene& scene, std::optional<double> toleran
   }
   if (!places) return std::nullopt;
   result.places = places->count;
+  result.vertex_place.reserve(positions.size());
   for (uint32_t position : places->vertex_position)
     result.vertex_place.push_back(places->position_place[position]);
   const float same_motion = std::max(result.tolerance, rounding);
 
-  // Points of each place, as a list through `next_in_place`. Motions matter only where a place has several
-  // vertices.
+  // Motions matter only where a place has several vertices: there, points are a list.
+  struct Shared {
+    uint32_t point, next;
+    Motion motion;
+  };
   std::vector<uint32_t> vertices_at(result.places, 0);
   for (uint32_t place : result.vertex_place) ++vertices_at[place];
   Motions motions(scene);
-  std::vector<uint32_t> first_point(result.places, kNoIndex);
-  std::vector<uint32_t> next_in_place;
-  std::vector<Motion> motion_of_point;
+  std::vector<uint32_t> first_shared(result.places, kNoIndex);
+  std::vector<Shared> shared;
   result.vertex_point.reserve(positions.size());
   uint32_t vertex = 0;
   for (uint32_t part = 0; part < scene.parts.size(); ++part) {
     const size_t count = scene.primitives[scene.parts[part].primitive].positions.size();
     for (uint32_t v = 0; v < count; ++v, ++vertex) {
       const uint32_t place = result.vertex_place[vertex];
-      Motion motion = vertices_at[place] > 1 ? motions.of(part, v) : Motion();
+      if (vertices_at[place] == 1) {
+        result.vertex_point.push_back(result.points++);
+        continue;
+      }
+      Motion motion = motions.of(part, v);
       if (!rest_offsets.empty()) motion.morphs.push_back({kNoIndex, glm::vec3(rest_offsets[vertex])});
-      uint32_t* slot = &first_point[place];
+      uint32_t* slot = &first_shared[place];
       while (*slot != kNoIndex) {
-        const Motion& other = motion_of_point[*slot];
+        const Motion& other = shared[*slot].motion;
         if (alike(motion.nodes, other.nodes, kSameWeight, [](float w) { return std::abs(w); }) &&
             alike(motion.morphs, other.morphs, same_motion, [](glm::vec3 d) { return glm::length(d); }))
           break;
-        slot = &next_in_place[*slot];
+        slot = &shared[*slot].next;
       }
       if (*slot == kNoIndex) {
-        const auto point = static_cast<uint32_t>(motion_of_point.size());
-        *slot = point;
-        motion_of_point.push_back(std::move(motion));
-        next_in_place.push_back(kNoIndex);
-        result.vertex_point.push_back(point);
+        *slot = static_cast<uint32_t>(shared.size());
+        shared.push_back({result.points, kNoIndex, std::move(motion)});
+        result.vertex_point.push_back(result.points++);
       } else {
-        result.vertex_point.push_back(*slot);
+        result.vertex_point.push_back(shared[*slot].point);
       }
     }
   }
-  result.points = static_cast<uint32_t>(motion_of_point.size());
   BuiltPlaceHash hash = buildPlaceHash(places->positions);
   result.hash = std::move(hash.section);
   result.slot_place.resize(places->positions.size());

@@ -27,6 +27,9 @@ bool needsSqueeze(const Recipe& recipe) {
 // Draco drops faces without area, so the source's are looked at.
 Topology topologyOf(const SourceScene& scene, const Weld& weld, const std::vector<glm::vec3>& rest) {
   std::vector<glm::uvec3> triangles;
+  size_t count = 0;
+  for (const Part& part : scene.parts) count += trianglesOf(scene.primitives[part.primitive]).size();
+  triangles.reserve(count);
   uint32_t first_vertex = 0;
   for (const Part& part : scene.parts) {
     const Primitive& primitive = scene.primitives[part.primitive];

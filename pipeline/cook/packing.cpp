@@ -115,16 +115,20 @@ class Packer {
     std::vector<std::vector<glm::vec3>> decoded(scene_.primitives.size());
     for (const Part& part : scene_.parts) {
       const Primitive& primitive = scene_.primitives[part.primitive];
-      std::vector<glm::vec3> made_normals;
-      if (primitive.normals.empty())
-        made_normals = smoothNormals(part, first_vertex, bind[out_.parts.size()], smooth);
-      const std::span<const glm::vec3> normals = primitive.normals.empty() ? made_normals : primitive.normals;
-      std::vector<glm::vec4> made_frames;
-      if (primitive.tangents.empty())
-        made_frames = tangents(primitive.positions, normals, primitive.uvs, trianglesOf(primitive));
-      const std::span<const glm::vec4> frames = primitive.tangents.empty() ? made_frames : primitive.tangents;
-      PackedPart packed = packGeometry(primitive, normals, frames, part.skinned ? part.palette_count : 1,
-                                       steps[out_.parts.size()], codec_, geometry_.emplace_back());
+      const size_t number = out_.parts.size();
+      const auto quantized = [&] {
+        std::vector<glm::vec3> made_normals;
+        if (primitive.normals.empty()) made_normals = smoothNormals(part, first_vertex, bind[number], smooth);
+        const std::span<const glm::vec3> normals =
+            primitive.normals.empty() ? made_normals : primitive.normals;
+        std::vector<glm::vec4> made_frames;
+        if (primitive.tangents.empty())
+          made_frames = tangents(primitive.positions, normals, primitive.uvs, trianglesOf(primitive));
+        const std::span<const glm::vec4> frames =
+            primitive.tangents.empty() ? made_frames : primitive.tangents;
+        return quantizePart(primitive, normals, frames, part.skinned ? part.palette_count : 1, steps[number]);
+      };
+      PackedPart packed = packGeometry(quantized, primitive.indices, codec_, geometry_.emplace_back());
       packed.mesh = part.mesh;
       if (part.material < scene_.materials.size()) {
         packed.material = scene_.materials[part.material].name;
@@ -133,7 +137,7 @@ class Packer {
       }
       packColors(primitive, geometry_.back().source);
       packed.palette_begin = part.palette_begin;
-      packed.rest = bind[out_.parts.size()];
+      packed.rest = bind[number];
       packed.has_normals = !primitive.normals.empty();
       packed.has_uvs = !primitive.uvs.empty();
       out_.influences = std::max(out_.influences, influencesOf(packed));

@@ -122,9 +122,11 @@ bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int met
       if (!kept[i / source.components]) source.values.push_back(values[i]);
     attribute->set_unique_id(static_cast<uint32_t>(source.semantic));
   }
-  for (size_t i = 0; i < indices.size(); i += 3)
-    mesh.AddFace({draco::PointIndex(indices[i]), draco::PointIndex(indices[i + 1]),
-                  draco::PointIndex(indices[i + 2])});
+  mesh.SetNumFaces(indices.size() / 3);
+  for (uint32_t face = 0; face < mesh.num_faces(); ++face)
+    mesh.SetFace(draco::FaceIndex(face),
+                 {draco::PointIndex(indices[3 * face]), draco::PointIndex(indices[3 * face + 1]),
+                  draco::PointIndex(indices[3 * face + 2])});
   draco::Encoder encoder;
   // One connectivity for all attributes: two thirds of the memory and a few percent more bytes.
   encoder.options().SetGlobalBool("split_mesh_on_seams", true);
@@ -144,8 +146,10 @@ Status decodePacked(const PackedPart& part, uint32_t influences, PartGeometry& o
   return decodePart(*flatbuffers::GetRoot<format::Part>(builder.GetBufferPointer()), influences, out);
 }
 
-PackedPart quantized(const Primitive& primitive, std::span<const glm::vec3> normals,
-                     std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step) {
+}  // namespace
+
+PackedPart quantizePart(const Primitive& primitive, std::span<const glm::vec3> normals,
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step) {
   PackedPart part;
   part.palette_count = palette_count;
   part.vertices = static_cast<uint32_t>(primitive.positions.size());
@@ -178,20 +182,16 @@ PackedPart quantized(const Primitive& primitive, std::span<const glm::vec3> norm
   return part;
 }
 
-}  // namespace
-
-PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
-                        std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step,
+PackedPart packGeometry(const std::function<PackedPart()>& quantized, const std::vector<uint32_t>& indices,
                         GeometryCodec codec, PartGeometry& decoded) {
   if (codec == GeometryCodec::kDraco)
     for (const int method : {draco::MESH_EDGEBREAKER_ENCODING, draco::MESH_SEQUENTIAL_ENCODING}) {
-      PackedPart part = quantized(primitive, normals, tangents, palette_count, position_step);
-      if (encodeDraco(part, primitive.indices, method) &&
-          decodePacked(part, influencesOf(part), decoded).ok())
+      PackedPart part = quantized();
+      if (encodeDraco(part, indices, method) && decodePacked(part, influencesOf(part), decoded).ok())
         return part;
     }
-  PackedPart part = quantized(primitive, normals, tangents, palette_count, position_step);
-  part.indices = primitive.indices;
+  PackedPart part = quantized();
+  part.indices = indices;
   if (const Status status = decodePacked(part, influencesOf(part), decoded); !status.ok())
     throw std::runtime_error(status.message);
   return part;
@@ -220,6 +220,7 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
 
 double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t> indices) {
   std::vector<float> lengths;
+  lengths.reserve(indices.size());
   for (size_t i = 0; i < indices.size(); ++i) {
     const size_t next = i % 3 == 2 ? i - 2 : i + 1;
     const float length = glm::distance(positions[indices[i]], positions[indices[next]]);

@@ -5,6 +5,7 @@
 
 #include <flatbuffers/flatbuffers.h>
 
+#include <functional>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -47,12 +48,15 @@ struct PackedPart {
 // place at the origin.
 float positionStep(std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
 
-// Quantises a primitive: positions in steps of `position_step`, see above, normals
-// and tangents (unit) to 10 bits, UVs and weights to 16. With Draco the vertices get a new order and
-// triangles with a corner twice are dropped. `decoded` is what the runtime will make of it, with
-// influencesOf(part) joints a vertex.
-PackedPart packGeometry(const Primitive& primitive, std::span<const glm::vec3> normals,
-                        std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step,
+// A primitive in integers: positions in steps of `position_step`, see above, normals and tangents (unit) to
+// 10 bits, UVs and weights to 16.
+PackedPart quantizePart(const Primitive& primitive, std::span<const glm::vec3> normals,
+                        std::span<const glm::vec4> tangents, uint32_t palette_count, float position_step);
+
+// Encodes what `quantized` makes, which is asked again where Draco fails, so that nothing is kept twice
+// meanwhile. With Draco the vertices get a new order and triangles with a corner twice are dropped. `decoded`
+// is what the runtime will make of it, with influencesOf(part) joints a vertex.
+PackedPart packGeometry(const std::function<PackedPart()>& quantized, const std::vector<uint32_t>& indices,
                         GeometryCodec codec, PartGeometry& decoded);
 
 flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& builder, const PackedPart& part);

@@ -26,8 +26,12 @@ Packed pack(const Primitive& primitive, GeometryCodec codec) {
   const std::vector<glm::vec3> normals(primitive.positions.size(), {0, 0, 1});
   const std::vector<glm::vec4> tangents(primitive.positions.size(), {1, 0, 0, 1});
   Packed packed;
-  packed.part = packGeometry(primitive, normals, tangents, 1,
-                             positionStep(primitive.positions, primitive.indices), codec, packed.geometry);
+  packed.part = packGeometry(
+      [&] {
+        return quantizePart(primitive, normals, tangents, 1,
+                            positionStep(primitive.positions, primitive.indices));
+      },
+      primitive.indices, codec, packed.geometry);
   return packed;
 }
 
