@@ -134,6 +134,7 @@ void FileDialog::draw() {
 
   if (problem_.empty())
     ImGui::TextDisabled("%s", kinds_.empty() ? "Choose the folder to write into"
+                              : saving_      ? "Type a name and press Enter"
                                              : "Double-click opens; type a name and press Enter");
   else
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(Colors::kRed), "%s", problem_.c_str());
@@ -236,7 +237,8 @@ void drawKeys(State& state, const std::vector<Action>& actions) {
       {"Ctrl + Tab, arrows, Space", "go from panel to panel, from widget to widget, use it"}};
   ImGui::BeginChild("keys", {0.0f, -2.6f * em()});
   ImGui::Columns(2, "keycolumns", false);
-  ImGui::SetColumnWidth(0, 17.0f * em());
+  ImGui::SetColumnWidth(0, std::min(17.0f * em(), 0.5f * ImGui::GetWindowWidth()));
+  ImGui::PushTextWrapPos();
   for (const auto& [how, what] : kMouse) {
     ImGui::TextUnformatted(how);
     ImGui::NextColumn();
@@ -250,6 +252,7 @@ void drawKeys(State& state, const std::vector<Action>& actions) {
     ImGui::TextDisabled("%s", action.tip);
     ImGui::NextColumn();
   }
+  ImGui::PopTextWrapPos();
   ImGui::Columns(1);
   ImGui::EndChild();
   if (button("keys.close", "Close", "Closes this list  (Escape)", true, 8.0f * em()) ||

@@ -67,6 +67,13 @@ void drawRows(State& state) {
   ImGui::EndChild();
 }
 
+// Puts the next button on the line of the last one if it fits there.
+void beside(const char* label) {
+  ImGui::SameLine();
+  const float width = ImGui::CalcTextSize(label).x + 2.0f * ImGui::GetStyle().FramePadding.x;
+  if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+}
+
 void drawListButtons(State& state) {
   Session& session = state.session;
   const uint32_t selected = state.documentLayer();
@@ -87,7 +94,7 @@ void drawListButtons(State& state) {
     content.recipe.layers.push_back(std::move(layer));
     return apply(std::move(content), count, "Add layer");
   }
-  ImGui::SameLine();
+  beside("Copy");
   if (button("layer.copy", "Copy", "Add a layer like the selected one", some && count < kMaxLayers)) {
     Content content = session.document.content();
     LayerRecipe layer = content.recipe.layers[selected];
@@ -95,18 +102,18 @@ void drawListButtons(State& state) {
     content.recipe.layers.insert(content.recipe.layers.begin() + selected + 1, std::move(layer));
     return apply(std::move(content), selected + 1, "Copy layer");
   }
-  ImGui::SameLine();
+  beside("Remove");
   if (button("layer.remove", "Remove", "Remove the selected layer; a recipe keeps at least one",
              some && count > 1)) {
     Content content = session.document.content();
     content.recipe.layers.erase(content.recipe.layers.begin() + selected);
     return apply(std::move(content), std::min<size_t>(selected, count - 2), "Remove layer");
   }
-  ImGui::SameLine();
+  beside("\xe2\x96\xb2");
   if (button("layer.up", "\xe2\x96\xb2", "Move the layer up; the order is that of the asset's weights",
              some && selected > 0))
     return moveLayer(session, selected, selected - 1);
-  ImGui::SameLine();
+  beside("\xe2\x96\xbc");
   if (button("layer.down", "\xe2\x96\xbc", "Move the layer down; the order is that of the asset's weights",
              some && selected + 1 < count))
     moveLayer(session, selected, selected + 1);

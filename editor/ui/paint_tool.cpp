@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "editor/ui/widgets.h"
 #include "pipeline/error.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr int kRing = 48;             // points of the brush's circle
 constexpr float kGuideStep = 0.012f;  // of the diagonal, between points of a guide
 constexpr float kGrab = 8.0f;         // pixels from a guide that still mean it
+constexpr float kMostPlaces = 12.0f;  // that a stroke visits in a frame
 
 Painted paintedBy(Tool tool) {
   return tool == Tool::kMask ? Painted::kMask : tool == Tool::kComb ? Painted::kDirection : Painted::kBias;
@@ -28,6 +30,18 @@ bool isWhole(const pipeline::Mask& mask, const AssetView& asset, uint32_t layer)
   if (std::holds_alternative<pipeline::MaskNone>(mask)) return true;
   if (!std::holds_alternative<pipeline::MaskAuto>(mask) || layer == pipeline::kNoIndex) return false;
   return std::ranges::all_of(asset.layers[layer].mask, [](uint8_t m) { return m == 0 || m == 255; });
+}
+
+// From behind `from` to `to`, two em apart: a fast hand leaves out nothing of a curved surface.
+std::vector<ImVec2> placesBetween(ImVec2 from, ImVec2 to) {
+  const float steps = std::hypot(to.x - from.x, to.y - from.y) / (2.0f * em());
+  const int count = static_cast<int>(std::clamp(std::ceil(steps), 1.0f, kMostPlaces));
+  std::vector<ImVec2> places;
+  for (int i = 1; i <= count; ++i) {
+    const float t = static_cast<float>(i) / static_cast<float>(count);
+    places.push_back({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
+  }
+  return places;
 }
 
 }  // namespace
@@ -139,26 +153,36 @@ bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projec
   }
   const ImGuiIO& io = ImGui::GetIO();
   if (io.KeyAlt && !stroke_ && !curve_) return false;  // the camera's
+  // A stroke that comes from beside the surface begins where it meets it.
+  pressed_ = pen.down && (pressed_ || (pen.over && pen.begins));
+  const ImVec2 before = std::exchange(pen_at_, pen.at);
+  const std::vector<ImVec2> places = placesBetween(pen.begins ? pen.at : before, pen.at);
   if (state.tool == Tool::kGuide) {
-    guide(state, frame, projection, pen);
+    guide(state, frame, projection, pen, places);
     return true;
   }
-  std::optional<SurfaceHit> hit;
-  if (pen.over || stroke_) {
-    shown_->surface.pose(frame.input);
-    hit = shown_->surface.hit(projection.eye, projection.rayAt(pen.at));
-  }
-  if (hit && pen.over && pen.begins) {
-    const bool erase = state.brush.erase;
-    state.brush.erase = erase != io.KeyCtrl;
-    begin(state, paintedBy(state.tool));
-    state.brush.erase = erase;
-  }
-  if (stroke_ && hit) {
-    stroke_->moveTo(shown_->surface.restAt(hit->triangle, hit->barycentric),
-                    shown_->surface.restNormal(hit->triangle));
-    values_ = stroke_->vertexValues(shown_->view());
-    ++stroke_number_;
+  PosedSurface& surface = shown_->surface;
+  std::optional<SurfaceHit> hit;  // at the pen, in the end
+  if (pen.over || pressed_ || stroke_) surface.pose(frame.input);
+  if (pressed_ || stroke_) {
+    for (const ImVec2 at : places) {
+      hit = surface.hit(projection.eye, projection.rayAt(at));
+      if (!hit) continue;
+      if (pressed_ && !stroke_) {
+        const bool erase = state.brush.erase;
+        state.brush.erase = erase != io.KeyCtrl;
+        pressed_ = begin(state, paintedBy(state.tool));
+        state.brush.erase = erase;
+      }
+      if (stroke_)
+        stroke_->moveTo(surface.restAt(hit->triangle, hit->barycentric), surface.restNormal(hit->triangle));
+    }
+    if (stroke_) {
+      values_ = stroke_->vertexValues(shown_->view());
+      ++stroke_number_;
+    }
+  } else if (pen.over) {
+    hit = surface.hit(projection.eye, projection.rayAt(pen.at));
   }
   if (stroke_ && !pen.down) finish(state);
   if (hit) drawBrush(state, projection, *hit);
@@ -194,48 +218,48 @@ void PaintTool::drawBrush(const State& state, const Projection& projection, cons
 }
 
 void PaintTool::guide(State& state, const preview::PosedFrame& frame, const Projection& projection,
-                      const Pen& pen) {
+                      const Pen& pen, std::span<const ImVec2> places) {
   Session& session = state.session;
   const uint32_t index = state.documentLayer();
   if (!session.editable() || index == pipeline::kNoIndex) return;
   const ImGuiIO& io = ImGui::GetIO();
   shown_->surface.pose(frame.input);
-  std::optional<SurfaceHit> hit;
-  if (pen.over || curve_) hit = shown_->surface.hit(projection.eye, projection.rayAt(pen.at));
-  if (pen.over && pen.begins) {
-    if (io.KeyCtrl || state.brush.erase) {
-      // The curve under the pointer goes.
-      for (size_t c = 0; c < guide_hits_.size(); ++c)
-        for (const SurfaceHit& point : guide_hits_[c]) {
-          ImVec2 at;
-          if (!projection.toScreen(shown_->surface.at(point.triangle, point.barycentric), at)) continue;
-          if (std::hypot(at.x - pen.at.x, at.y - pen.at.y) > kGrab * em() / 15.0f) continue;
-          state.edit("Remove guide", [&](pipeline::LayerRecipe& layer) {
-            auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction);
-            if (!guides || guides->curves != guide_curves_) return;  // another layer is selected by now
-            guides->curves.erase(guides->curves.begin() + static_cast<std::ptrdiff_t>(c));
-            if (guides->curves.empty()) layer.direction = pipeline::DirectionAnimation{};
-          });
-          session.document.endGesture();
-          return;
-        }
-    } else if (hit) {
+  if (pen.over && pen.begins && (io.KeyCtrl || state.brush.erase)) {
+    pressed_ = false;
+    // The curve under the pointer goes.
+    for (size_t c = 0; c < guide_hits_.size(); ++c)
+      for (const SurfaceHit& point : guide_hits_[c]) {
+        ImVec2 at;
+        if (!projection.toScreen(shown_->surface.at(point.triangle, point.barycentric), at)) continue;
+        if (std::hypot(at.x - pen.at.x, at.y - pen.at.y) > kGrab * em() / 15.0f) continue;
+        state.edit("Remove guide", [&](pipeline::LayerRecipe& layer) {
+          auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction);
+          if (!guides || guides->curves != guide_curves_) return;  // another layer is selected by now
+          guides->curves.erase(guides->curves.begin() + static_cast<std::ptrdiff_t>(c));
+          if (guides->curves.empty()) layer.direction = pipeline::DirectionAnimation{};
+        });
+        session.document.endGesture();
+        return;
+      }
+  }
+  if (!pressed_ && !curve_) return;
+  const float step = kGuideStep * diagonalOf(shown_->view());
+  for (const ImVec2 at : places) {
+    const std::optional<SurfaceHit> hit = shown_->surface.hit(projection.eye, projection.rayAt(at));
+    if (!hit) continue;
+    if (!curve_) {
       layer_ = state.layer;
       curve_.emplace();
       curve_hits_.clear();
     }
-  }
-  if (!curve_) return;
-  if (hit) {
     const glm::vec3 rest = shown_->surface.restAt(hit->triangle, hit->barycentric);
-    const float step = kGuideStep * diagonalOf(shown_->view());
     const auto last = [&] { return glm::vec3(curve_->back()[0], curve_->back()[1], curve_->back()[2]); };
     if (curve_->empty() || glm::distance(last(), rest) >= step) {
       curve_->push_back({double{rest.x}, double{rest.y}, double{rest.z}});
       curve_hits_.push_back(*hit);
     }
   }
-  if (pen.down) return;
+  if (!curve_ || pen.down) return;
   if (curve_->size() >= 2 && state.layer == layer_)
     state.edit("Draw guide", [&](pipeline::LayerRecipe& layer) {
       auto* old = std::get_if<pipeline::DirectionGuides>(&layer.direction);

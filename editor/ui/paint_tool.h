@@ -4,6 +4,7 @@
 // curves.
 
 #include <optional>
+#include <span>
 
 #include "editor/ui/viewport.h"
 
@@ -34,13 +35,16 @@ class PaintTool {
  private:
   bool begin(State& state, Painted kind);
   void finish(State& state);
-  void guide(State& state, const preview::PosedFrame& frame, const Projection& projection, const Pen& pen);
+  void guide(State& state, const preview::PosedFrame& frame, const Projection& projection, const Pen& pen,
+             std::span<const ImVec2> places);
   void drawBrush(const State& state, const Projection& projection, const SurfaceHit& hit) const;
 
   std::shared_ptr<Shown> shown_;
   std::shared_ptr<const Canvas> canvas_;
   std::string canvas_key_;
   std::unique_ptr<Stroke> stroke_;
+  bool pressed_ = false;  // on the picture, and still down
+  ImVec2 pen_at_{};       // in the last frame
   Painted kind_ = Painted::kBias;
   std::string layer_;  // that the stroke, or the last one, is of
   std::vector<float> values_;

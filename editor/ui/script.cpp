@@ -214,8 +214,9 @@ class Runner {
                    to = place(argument(1), number(words, 4, 0), number(words, 5, 0));
       move(from);
       press(button, true);
-      for (int i = 1; i <= kDragSteps; ++i) {
-        const float t = static_cast<float>(i) / kDragSteps;
+      const int steps = std::max(1, static_cast<int>(number(words, 7, kDragSteps)));
+      for (int i = 1; i <= steps; ++i) {
+        const float t = static_cast<float>(i) / static_cast<float>(steps);
         pointer_ = {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)};
         pass(1);
       }

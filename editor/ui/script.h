@@ -10,7 +10,7 @@
 //   frames N                          lets N frames of 1/30 s pass
 //   move ID [X Y]                     the pointer to a widget; X Y in parts of its size, default 0.5 0.5
 //   click ID [X Y]   rightclick ID [X Y]   doubleclick ID [X Y]
-//   drag ID X Y X Y [BUTTON]          BUTTON left (default), middle or right
+//   drag ID X Y X Y [BUTTON [FRAMES]] BUTTON left (default), middle or right; FRAMES on the way, default 6
 //   wheel ID TURNS
 //   key CHORD                         "Ctrl+S", "Space", "F1"
 //   hold CHORD   release              modifiers for what follows: "Ctrl", "Shift", "Alt"

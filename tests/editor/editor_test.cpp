@@ -8,6 +8,7 @@
 #include "editor/preview/headless_context.h"
 #include "pipeline/error.h"
 #include "pipeline/maps/image.h"
+#include "pipeline/recipe/recipe.h"
 #include "tests/cli/tool.h"
 #include "tests/editor/editor_models.h"
 #include "tests/image/picture_difference.h"
@@ -266,6 +267,10 @@ picture narrow
                               FURROW_EDITOR);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   expectStored("narrow");
+  const Outcome smaller = run({"--script", write("small.txt", sheet() + "expect widget layer.down\n"),
+                               "--frames", output(), "--size", "640x480", "--backend", "cpu"},
+                              FURROW_EDITOR);
+  EXPECT_EQ(smaller.status, 0) << smaller.err;
 }
 
 TEST_F(EditorTest, AFaultShowsInTheListAndTheLastGoodStateStays) {
@@ -303,6 +308,32 @@ expect no error
   EXPECT_NE(text.find("sheet_lines_mask.png"), std::string::npos) << text;
   const Image mask = pipeline::readImage(folder() / "sheet_lines_mask.png");
   EXPECT_EQ(mask.channels, 1u);
+}
+
+TEST_F(EditorTest, StrokesThatComeFromBesideTheSurfaceBeginWhereTheyMeetIt) {
+  expectPlays(sheet() + R"(
+key B
+drag viewport 0.02 0.05 0.5 0.5
+expect dirty
+key Ctrl+Z
+expect saved
+key G
+drag viewport 0.02 0.05 0.5 0.5
+expect dirty
+)");
+}
+
+TEST_F(EditorTest, AFastHandLeavesNothingOut) {
+  expectPlays(sheet() + R"(
+key G
+drag viewport 0.4 0.4 0.6 0.6 left 1
+key Ctrl+S
+expect saved
+)");
+  const pipeline::LayerRecipe layer = pipeline::readRecipe(folder() / "sheet.json").layers[0];
+  const auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction);
+  ASSERT_TRUE(guides && guides->curves.size() == 1);
+  EXPECT_GE(guides->curves[0].size(), 5u);
 }
 
 TEST_F(EditorTest, AMaskPaintedWhereAllWasWhiteBeginsBlack) {
