@@ -7,11 +7,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <memory>
 #include <span>
 #include <variant>
 
 #include "furrow/asset.h"
+#include "pipeline/content_key.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
 #include "pipeline/input_file.h"
@@ -37,47 +37,17 @@ void setHash(EntryHeader& header, std::span<const std::byte> payload) {
   header.hash[1] = hash.high64;
 }
 
-// Hashes values one behind the other, each with its length, so that no two lists look the same.
-class Hasher {
- public:
-  Hasher() { XXH3_128bits_reset(state_.get()); }
-
-  void add(const void* bytes, size_t size) {
-    const uint64_t length = size;
-    XXH3_128bits_update(state_.get(), &length, sizeof length);
-    XXH3_128bits_update(state_.get(), bytes, size);
-  }
-  void add(const std::string& text) { add(text.data(), text.size()); }
-  void addFile(const std::filesystem::path& file) {
-    const std::vector<uint8_t> bytes = readBytes(file);
-    add(bytes.data(), bytes.size());
-  }
-
-  std::string digits() const {
-    const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
-    char text[33];
-    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                  static_cast<unsigned long long>(hash.low64));
-    return text;
-  }
-
- private:
-  struct Free {
-    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-  };
-  std::unique_ptr<XXH3_state_t, Free> state_{XXH3_createState()};
-};
+std::string fileKey(const std::filesystem::path& file) {
+  const std::vector<uint8_t> bytes = readBytes(file);
+  return contentKey(std::as_bytes(std::span(bytes)));
+}
 
 // Of this program, so that builds of one version that differ do not take each other's assets.
 const std::string& toolKey() {
-  static const std::string key = [] {
-    Hasher hasher;
-    hasher.add(FURROW_VERSION);
-    hasher.add(std::to_string(kFormatVersion));
-    hasher.addFile(std::filesystem::read_symlink("/proc/self/exe"));
-    if (std::filesystem::exists(imageModuleFile())) hasher.addFile(imageModuleFile());
-    return hasher.digits();
-  }();
+  static const std::string key =
+      contentKey(contentKey(FURROW_VERSION) + contentKey(std::to_string(kFormatVersion)) +
+                 fileKey(std::filesystem::read_symlink("/proc/self/exe")) +
+                 (std::filesystem::exists(imageModuleFile()) ? fileKey(imageModuleFile()) : std::string()));
   return key;
 }
 
@@ -107,17 +77,15 @@ std::vector<std::filesystem::path> filesOf(const CookRequest& request) {
 }
 
 std::string cookKey(const CookRequest& request, const std::vector<std::filesystem::path>& files) {
-  Hasher hasher;
-  hasher.add(toolKey());
-  hasher.add(std::string(request.geometry == GeometryCodec::kRaw ? "raw" : "draco") +
-             (request.source.base.empty() ? "" : " base") +
-             (request.source.pattern.empty() ? "" : " frames") + (request.recipe.empty() ? "" : " recipe"));
-  hasher.add(&request.source.fps, sizeof request.source.fps);
-  for (const std::filesystem::path& file : files) {
-    hasher.add(file.filename().string());
-    hasher.addFile(file);
-  }
-  return hasher.digits();
+  std::string keys = toolKey();
+  keys += contentKey(std::string(request.geometry == GeometryCodec::kRaw ? "raw" : "draco") +
+                     (request.source.base.empty() ? "" : " base") +
+                     (request.source.pattern.empty() ? "" : " frames") +
+                     (request.recipe.empty() ? "" : " recipe"));
+  keys += contentKey(std::as_bytes(std::span(&request.source.fps, 1)));
+  for (const std::filesystem::path& file : files)
+    keys += contentKey(file.filename().string()) + fileKey(file);
+  return contentKey(keys);
 }
 
 std::filesystem::path CookCache::file(const std::string& key) const {

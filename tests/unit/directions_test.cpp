@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <map>
 #include <numbers>
 
@@ -450,6 +451,42 @@ TEST(LineField, IsOfTheSurfaceAndNotOfItsTriangles) {
     }
     EXPECT_LT(most, 5.0) << pushed;
     EXPECT_LT(most_confidence, 0.1) << pushed;
+  }
+}
+
+// A lone triangle's edges have nobody to make up for an angle of more than 90 degrees, which would push its
+// ends apart, or for one of next to none, which would make one of them: their weights end at 0 and at 10.
+TEST(LineField, WeightsOfEdgesEndAtNothingAndAtTen) {
+  struct Case {
+    std::array<glm::vec3, 3> corners;
+    double ab, bc, ca;  // half the cotangents of the angles that face them
+  };
+  for (const auto& [corners, ab, bc, ca] :
+       {Case{{glm::vec3(0, 0, 0), {2, 0, 0}, {1, 0.5f, 0}}, 0.0, 1.0, 1.0},         // not -0.375
+        Case{{glm::vec3(0, 0, 0), {1, 0, 0}, {1, 0.01f, 0}}, 0.005, 10.0, 0.0}}) {  // not 50
+    Surface surface;
+    surface.positions.assign(corners.begin(), corners.end());
+    surface.point_positions = surface.positions;
+    surface.vertex_point = {0, 1, 2};
+    surface.triangles = {{0, 1, 2}};
+    addNormals(surface);
+    const std::vector<bool> covered = {true};
+    for (int from = 0; from < 3; ++from) {
+      constexpr double kPull = 3.0;
+      glm::dvec3 at(0.0);
+      at[from] = 1.0;
+      LineField field(surface, covered);
+      field.add(0, at, 1.0, kPull);
+      const DirectionField found = std::move(field).solve();
+      const double own = 16.0 / 3.0;  // a third of the area over the square of R
+      glm::dmat3 equations({own + ab + ca, -ab, -ca}, {-ab, own + ab + bc, -bc}, {-ca, -bc, own + bc + ca});
+      equations[from][from] += kPull;
+      const glm::dvec3 z = glm::inverse(equations) * (kPull * at);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(found.confidence[c], z[c], 1e-4) << from << ' ' << c;
+        EXPECT_TRUE(z[c] < 1e-3 || apart(found.direction[c], {1, 0, 0}) < 0.1) << from << ' ' << c;
+      }
+    }
   }
 }
 
