@@ -65,10 +65,10 @@ constexpr uint32_t kRingVectors = kRingLanes / kRingWidth;
 
 HWY_INLINE Block gather4(const float* from, const uint16_t* index) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128  // four loads: gather instructions are slower on most CPUs
-  uint64_t four;
-  std::memcpy(&four, index, sizeof four);
-  return Block{_mm_setr_ps(from[four & 0xffff], from[four >> 16 & 0xffff], from[four >> 32 & 0xffff],
-                           from[four >> 48])};
+  uint32_t pairs[2];
+  std::memcpy(pairs, index, sizeof pairs);
+  return Block{_mm_setr_ps(from[pairs[0] & 0xffff], from[pairs[0] >> 16], from[pairs[1] & 0xffff],
+                           from[pairs[1] >> 16])};
 #else
   const float values[4] = {from[index[0]], from[index[1]], from[index[2]], from[index[3]]};
   return hn::LoadU(D4(), values);
@@ -300,46 +300,65 @@ HWY_INLINE void storeSideBySide(Lanes (&q)[kLayers], float* out) {
 
 #endif
 
+HWY_INLINE void fetch(const void* at) {
+#if HWY_ARCH_X86
+  _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0);
+#else
+  hwy::Prefetch(at);
+#endif
+}
+
 // The memory of the next cluster is fetched while one is worked on, in equal steps.
 class Ahead {
  public:
   Ahead(const ClusterFrameJob& job, const Cluster& c, const Cluster& next)
-      : posed_(job.posed), stride_(job.posed_stride) {
+      : posed_(job.posed),
+        stride_(job.posed_stride),
+        every_(job.posed ? std::max(1u, static_cast<uint32_t>(40 / job.posed_stride)) : 1) {
     const uint32_t steps = c.triangles / kTriangleLanes + (c.points + kRingLanes - 1) / kRingLanes;
     const uint32_t* words = job.clusters->words.data();
     word_ = words + (job.posed ? next.slot_vertex : next.pose);
     words_end_ = words + next.end;
-    lines_ = static_cast<uint32_t>(words_end_ - word_) / kLineWords / steps + 1;
+    words_a_step_ =
+        (static_cast<uint32_t>(words_end_ - word_) / (2 * kLineWords) / steps + 1) * 2 * kLineWords;
     vertex_ = words + next.slot_vertex;
     vertices_end_ = vertex_ + (job.posed ? next.slots : 0);
-    vertices_ = static_cast<uint32_t>(vertices_end_ - vertex_) / kFetchEvery / steps + 1;
+    vertices_a_step_ = (static_cast<uint32_t>(vertices_end_ - vertex_) / every_ / steps + 1) * every_;
   }
   HWY_INLINE void step() {
     const uint32_t *word = word_, *vertex = vertex_;
-    for (uint32_t i = 0; i < lines_ && word < words_end_; ++i, word += kLineWords) fetch(word);
-    for (uint32_t i = 0; i < vertices_ && vertex < vertices_end_; ++i, vertex += kFetchEvery)
-      fetch(posed_ + *vertex * stride_);
+    const uint32_t* const step_end = std::min(word + words_a_step_, words_end_);
+    for (; word < step_end; word += 2 * kLineWords) fetch(word), fetch(word + kLineWords);
+    const uint32_t* const vertices_end = std::min(vertex + vertices_a_step_, vertices_end_);
+    for (; vertex < vertices_end; vertex += every_) fetch(posed_ + *vertex * stride_);
     word_ = word, vertex_ = vertex;
   }
 
  private:
-  static constexpr uint32_t kFetchEvery = 2;  // neighbouring slots mostly share a cache line
-  HWY_INLINE static void fetch(const void* at) {
-#if HWY_ARCH_X86
-    _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0);
-#else
-    hwy::Prefetch(at);
-#endif
-  }
   const std::byte* posed_;
   const size_t stride_;
+  const uint32_t every_;  // neighbouring slots mostly share a cache line
   const uint32_t *word_, *words_end_, *vertex_, *vertices_end_;
-  uint32_t lines_, vertices_;
+  uint32_t words_a_step_, vertices_a_step_;
 };
 
 // Bit l: layer l is measured in the cluster.
 HWY_INLINE uint32_t measuredLayers(const ClusterFrameJob& job, const Cluster& c) {
   return c.covered & job.active_layers;
+}
+
+// f(i) for i in [begin, end): loops this short cost as much as what is in them.
+template <typename Function>
+HWY_INLINE void inFours(uint32_t begin, uint32_t end, Function f) {
+  for (; begin + 4 <= end; begin += 4) f(begin), f(begin + 1), f(begin + 2), f(begin + 3);
+  for (; begin < end; ++begin) f(begin);
+}
+
+// Where the weights will be stored: what is not in a cache then would hold up all that follows.
+HWY_INLINE void fetchWeights(const ClusterFrameJob& job, const Cluster& c) {
+  const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
+  const size_t stride = job.clusters->asset->weightStride();
+  for (uint32_t i = 0; i < c.vertices; i += 4) fetch(job.weights.data() + vertex[i] * stride);
 }
 
 // x, y, z and anything; the last vertex of the host's array must not be read beyond. All that the loop needs
@@ -348,16 +367,15 @@ HWY_NOINLINE void copyHostPositions(const ClusterFrameJob& job, const Cluster& c
   const uint32_t* vertex = &job.clusters->words[c.slot_vertex];
   const std::byte* posed = job.posed;
   const size_t stride = job.posed_stride;
-  const uint32_t last = job.clusters->asset->vertexCount() - 1;
-  for (const uint32_t* end = vertex + c.slots; vertex < end; ++vertex, out += 4) {
-    const std::byte* from = posed + *vertex * stride;
-    if (*vertex == last) {
-      std::memcpy(out, from, sizeof(Float3));
-      out[3] = 0.0f;
-    } else {
-      std::memcpy(out, from, sizeof(Float4));
-    }
-  }
+  const uint32_t last = c.last_slot, slots = c.slots;
+  const auto copy = [=](uint32_t i) {
+    std::memcpy(out + 4 * size_t{i}, posed + vertex[i] * stride, sizeof(Float4));
+  };
+  inFours(0, last, copy);
+  if (last == slots) return;
+  std::memcpy(out + 4 * size_t{last}, posed + vertex[last] * stride, sizeof(Float3));
+  out[4 * size_t{last} + 3] = 0.0f;
+  inFours(last + 1, slots, copy);
 }
 
 // Positions of kPoseLanes slots by coordinate: theirs begin at 0, kPoseLanes and 2 * kPoseLanes.
@@ -649,12 +667,13 @@ void respondLayer(const ClusterFrameJob& job, const Cluster& c, uint32_t l, cons
 HWY_INLINE void storePairs(const uint32_t* vertex, uint32_t count, const uint32_t* pairs, uint32_t rows,
                            size_t padded, int16_t* weights, size_t stride) {
   for (; rows >= 2; rows -= 2, pairs += 2 * padded, weights += 4)
-    for (uint32_t i = 0; i < count; ++i) {
+    inFours(0, count, [=](uint32_t i) {
       const uint32_t two[] = {pairs[i], pairs[padded + i]};
       std::memcpy(weights + vertex[i] * stride, two, sizeof two);
-    }
-  for (uint32_t i = 0; rows > 0 && i < count; ++i)
-    std::memcpy(weights + vertex[i] * stride, pairs + i, sizeof(uint32_t));
+    });
+  if (rows > 0)
+    inFours(0, count,
+            [=](uint32_t i) { std::memcpy(weights + vertex[i] * stride, pairs + i, sizeof(uint32_t)); });
 }
 
 }  // namespace
@@ -665,6 +684,7 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
   const uint32_t* vertex = &clusters.words[c.slot_vertex];
   const size_t index = static_cast<size_t>(&c - clusters.clusters.data());
   Ahead ahead(job, c, clusters.clusters[std::min(index + 1, clusters.clusters.size() - 1)]);
+  fetchWeights(job, c);
   if (job.posed) {
     if (measuredLayers(job, c) != 0) copyHostPositions(job, c, scratch.positions);
   } else if (measuredLayers(job, c) != 0 || !job.positions.empty()) {

@@ -164,6 +164,7 @@ class Builder {
     std::sort(slots_.begin() + c.vertices, slots_.end());
     for (size_t s = c.vertices; s < slots_.size(); ++s) vertex_slot_[slots_[s]] = static_cast<uint32_t>(s);
     c.slots = static_cast<uint32_t>(slots_.size());
+    c.last_slot = std::min(vertex_slot_.back(), c.slots);
   }
 
   // How the rest positions of the slots can be had back from 16-bit integers, if they are of one part.

@@ -57,6 +57,7 @@ struct Cluster {
   uint32_t
       vertices;    // owned: a slot for each point's first vertex, then for the other vertices of those points
   uint32_t slots;  // vertices and halo
+  uint32_t last_slot;    // of the asset's last vertex; `slots`: not here
   uint32_t triangles;    // a multiple of kTriangleLanes: the last ones may be empty
   uint32_t slot_vertex;  // a word a slot: the asset's vertex
   uint32_t extra_point;  // 16 bits a vertex beyond the points: its point
