@@ -69,6 +69,8 @@ def frame(result):
         various.append([f"{n:,}", "vertices and triangles of the source in random order, over the same in order",
                         *against(times["shuffled"] / times[f"whole {result['best']}"], 1.05)])
         if big:
+            various.append([f"{n:,}", f"{result['best']}, from posed positions, clusters in pages of 2 MiB, over Eigen in pages of 4 KiB",
+                            f"{times['large pages'] / times['eigen']:.2f}", "", ""])
             various.append([f"{n:,}", "two threads, times as fast as one",
                             *against(times[f"whole {result['best']}"] / case["two threads"], 1.8, most=False)])
         for form, bar in (("whole", 42), ("posed", 42)):

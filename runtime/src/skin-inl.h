@@ -32,10 +32,7 @@ template <uint32_t kIndex>
 HWY_INLINE Lanes matrixVector(const float* m) {
 #if HWY_MAX_BYTES >= 64
   return hn::MaskedLoad(hn::FirstN(D(), 12), D(), m);
-#elif HWY_MAX_BYTES >= 32
-  if constexpr (kIndex == 0) return hn::LoadU(D(), m);
-  return hn::ZeroExtendVector(D(), hn::LoadU(D4(), m + 8));
-#else
+#else  // of two rows, the second vector has the last two
   return hn::LoadU(D(), m + 4 * kIndex);
 #endif
 }
@@ -50,7 +47,7 @@ HWY_INLINE Lanes gatherRow(const Lanes (&groups)[kBlocks][kMatrixVectors][4], in
   return Lanes{_mm512_shuffle_f32x4(low, high, kOdd)};
 #elif HWY_MAX_BYTES >= 32
   const Lanes low = groups[0][kRow / 2][c], high = groups[1][kRow / 2][c];
-  return kRow == 1 ? hn::ConcatUpperUpper(D(), high, low) : hn::ConcatLowerLower(D(), high, low);
+  return kRow == 0 ? hn::ConcatLowerLower(D(), high, low) : hn::ConcatUpperUpper(D(), high, low);
 #else
   return groups[0][kRow][c];
 #endif

@@ -676,9 +676,20 @@ static void testResponse(FurrowContext* context, File file) {
   CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
   for (i = 0; i < info.vertices; ++i)
     if (expected[i * info.weight_stride] == 0) CHECK(abs(w[i * info.weight_stride] - 4096) <= 1);
+  memcpy(before, furrow_instance_positions(instance), sizeof before);
   frame.fade_out = 1.0f;
+  palette[0] = 0.5f; /* a pose that is not looked at */
   CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
-  for (i = 0; i < info.vertices; ++i) CHECK(w[i * info.weight_stride] == 0);
+  CHECK(report.computed && !report.clustered);
+  for (i = 0; i < info.vertices * info.weight_stride; ++i) CHECK(w[i] == 0);
+  CHECK(memcmp(furrow_instance_positions(instance), before, sizeof before) == 0);
+  palette[0] = 1.0f;
+  frame.fade_out = 0.0f, frame.eases = eases; /* then at the targets at once, however slow the ease */
+  for (l = 0; l < FURROW_MAX_LAYERS; ++l) regions[l] = 0.25f;
+  CHECK_OK(furrow_instance_frame(instance, &frame, &report, &status));
+  for (i = 0; i < info.vertices; ++i)
+    if (expected[i * info.weight_stride] == 0) CHECK(abs(w[i * info.weight_stride] - 8192) <= 1);
+  frame.eases = NULL;
   frame.fade_out = 1.5f;
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_instance_frame(instance, &frame, &report, &status));
   frame.fade_out = 0.0f;

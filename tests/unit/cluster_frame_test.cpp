@@ -13,12 +13,16 @@
 #include <set>
 #include <thread>
 
+#include "furrow/furrow.h"
 #include "furrow/recapture.h"
 #include "sheets.h"
 
 namespace {
 
 using namespace furrow;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Pair;
 using tests::Frame;
 
 std::vector<Simd> available() {
@@ -469,21 +473,74 @@ TEST(ClusterFrame, AFrameMovesAtMost42BytesATriangle) {
   EXPECT_GE(static_cast<double>(clusters.frameBytes(true)), 20.0 * triangles);
 }
 
-TEST(ClusterFrame, APointOfVeryManyTrianglesStillFits) {
+// Cones of `blades` triangles each around one point, squeezed along x by the morph target.
+pipeline::SourceScene fan(uint32_t blades, uint32_t cones) {
   pipeline::Primitive fan;
-  constexpr uint32_t kBlades = 3000;
   fan.positions.push_back({0, 0, 0});
-  for (uint32_t i = 0; i < kBlades; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / kBlades;
-    fan.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.0f});
-    fan.indices.insert(fan.indices.end(), {0u, 1 + i, 1 + (i + 1) % kBlades});
-  }
-  const Asset asset =
-      tests::cookAsset(tests::sceneOf(fan, [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y, p.z); }),
-                       tests::recipeOf({tests::axisLayer({1, 0, 0})}));
+  for (uint32_t cone = 0; cone < cones; ++cone)
+    for (uint32_t i = 0; i < blades; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / blades;
+      fan.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)),
+                               0.3f * static_cast<float>(cone)});
+      fan.indices.insert(fan.indices.end(),
+                         {0u, 1 + cone * blades + i, 1 + cone * blades + (i + 1) % blades});
+    }
+  return tests::sceneOf(std::move(fan), [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y, p.z); });
+}
+
+TEST(ClusterFrame, APointOfVeryManyTrianglesStillFits) {
+  const Asset asset = tests::cookAsset(fan(3000, 1), tests::recipeOf({tests::axisLayer({1, 0, 0})}));
   Clusters clusters;
   ASSERT_TRUE(clusters.build(asset.view()).ok());
   EXPECT_EQ(clusteredWeights(clusters, bestSimd(), {}, 1.0f), tests::evaluate(asset.view(), {1.0f}).weights);
+}
+
+template <typename Struct>
+Struct sized() {
+  Struct out = {};
+  out.size = sizeof out;
+  return out;
+}
+
+// A host's log is warned, and frames are staged.
+TEST(ClusterFrame, APointOfTooManyTrianglesIsAWarning) {
+  const pipeline::Cooked cooked =
+      pipeline::cook(fan(6000, 3), tests::recipeOf({tests::axisLayer({1, 0, 0})}), {});
+  std::vector<std::pair<int32_t, std::string>> lines;
+  auto host = sized<FurrowContextDesc>();
+  host.user = &lines;
+  host.log = [](void* user, int32_t severity, const char* message) {
+    static_cast<decltype(lines)*>(user)->emplace_back(severity, message);
+  };
+  FurrowContext* context = nullptr;
+  FurrowAsset* asset = nullptr;
+  FurrowInstance* instance = nullptr;
+  ASSERT_EQ(furrow_context_create(&host, &context, nullptr), FURROW_OK);
+  EXPECT_THAT(lines, ElementsAre(Pair(FURROW_LOG_INFO, HasSubstr("cpu tier on"))));
+  lines.clear();
+  auto file = sized<FurrowAssetDesc>();
+  file.bytes = cooked.bytes.data(), file.byte_count = cooked.bytes.size();
+  ASSERT_EQ(furrow_asset_create(context, &file, &asset, nullptr), FURROW_OK);
+  EXPECT_THAT(lines, ElementsAre(Pair(FURROW_LOG_WARNING, HasSubstr("too many triangles"))));
+
+  auto desc = sized<FurrowInstanceDesc>();
+  desc.features = FURROW_KEEP_POSITIONS;
+  ASSERT_EQ(furrow_instance_create(asset, &desc, &instance, nullptr), FURROW_OK);
+  const Affine identity;
+  const float squeezed = 1.0f;
+  auto frame = sized<FurrowFrame>();
+  frame.palette = identity.m, frame.palette_count = 1;
+  frame.morph_weights = &squeezed, frame.morph_count = 1;
+  auto report = sized<FurrowFrameReport>();
+  ASSERT_EQ(furrow_instance_frame(instance, &frame, &report, nullptr), FURROW_OK);
+  EXPECT_TRUE(report.computed && !report.clustered);
+  Asset same;
+  ASSERT_TRUE(same.load(cooked.bytes).ok());
+  const std::vector<int16_t> expected = tests::evaluate(same.view(), {squeezed}).weights;
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), furrow_instance_weights(instance)));
+  furrow_instance_release(instance);
+  furrow_asset_release(asset);
+  furrow_context_release(context);
 }
 
 TEST(ClusterFrame, RefusesWhatDoesNotFit) {

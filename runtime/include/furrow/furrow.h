@@ -381,9 +381,11 @@ typedef struct FurrowFrame {
 
   // In time.
   const FurrowEase* eases;
-  float seconds;   // since the last frame
-  int32_t reset;   // weights go to their targets at once: the first frame, cuts, teleports
-  float fade_out;  // [0, 1] with distance: weights times 1 - fade_out; at 1 nothing is computed
+  float seconds;  // since the last frame
+  int32_t reset;  // weights go to their targets at once: the first frame, cuts, teleports
+  // [0, 1] with distance: weights times 1 - fade_out. At 1 nothing is computed: weights are 0, the positions
+  // and normals of the last computed frame stand, and the next frame below 1 resets.
+  float fade_out;
   // Compute in every nth call (0: each), the first, and those that reset. In between the weights, positions
   // and normals of the last computed frame stand, and its time is added to the next: what is eased comes to
   // the same. Give instances phases of their own to spread the work.
