@@ -54,9 +54,11 @@ bool InputQueue::fits(const Event& event, Frame& seen) {
   const bool changed = seen.keys.any() || seen.buttons.any() || seen.wheeled;
   switch (event.kind) {
     case Kind::kPointer:
-      return !changed;  // a click or key is where the pointer was
+      if (changed) return false;  // a click or key is where the pointer was
+      return seen.moved = true;
     case Kind::kButton:
       if (seen.keys.any() || seen.wheeled || seen.buttons[event.code]) return false;
+      if (seen.moved && !event.down) return false;  // what is dragged has yet to follow
       seen.buttons.set(event.code);
       return true;
     case Kind::kKey:

@@ -39,7 +39,8 @@ class InputQueue {
   struct Frame {
     std::bitset<kKeys> keys;
     std::bitset<kButtons> buttons;
-    bool pressed = false, wheeled = false, typed = false;  // pressed: a key, with what modifies it
+    bool pressed = false;  // a key, with what modifies it
+    bool moved = false, wheeled = false, typed = false;
   };
   static bool fits(const Event& event, Frame& seen);
 

@@ -119,9 +119,12 @@ void drawListButtons(State& state) {
     moveLayer(session, selected, selected + 1);
 }
 
-// Whether the image was painted here since the recipe was read.
-bool painted(const State& state, const std::filesystem::path& image) {
-  return state.session.document.content().images.contains(image);
+// Whether the selected layer has the image that strokes are painted into.
+bool painted(const State& state, Painted kind) {
+  const Document& document = state.session.document;
+  const uint32_t layer = state.documentLayer();
+  const auto [file, channel] = namedImage(document.recipe().layers[layer], kind);
+  return channel == 0 && file == paintedFile(document.content(), document.file(), layer, kind);
 }
 
 void addName(std::vector<std::string>& names, std::string_view name) {
@@ -256,7 +259,7 @@ void drawDirection(State& state, const LayerRecipe& layer) {
   const auto* guides = std::get_if<pipeline::DirectionGuides>(&layer.direction);
   int index = axis                                                              ? kAxis
               : attribute                                                       ? kAttribute
-              : texture && painted(state, texture->texture)                     ? kCombed
+              : texture && painted(state, Painted::kDirection)                  ? kCombed
               : texture                                                         ? kImage
               : std::holds_alternative<pipeline::DirectionMap>(layer.direction) ? kMap
               : guides ? guides->lines.empty() ? kGuides : kLines
@@ -341,7 +344,7 @@ void drawMask(State& state, const LayerRecipe& layer) {
   enum Kind { kAutomatic, kWhole, kPainted, kImage, kAttribute };
   constexpr const char* kNames[] = {"Automatic", "Whole surface", "Painted", "Image", "Attribute"};
   int index = attribute                                                ? kAttribute
-              : texture && painted(state, texture->texture)            ? kPainted
+              : texture && painted(state, Painted::kMask)              ? kPainted
               : texture                                                ? kImage
               : std::holds_alternative<pipeline::MaskNone>(layer.mask) ? kWhole
                                                                        : kAutomatic;
@@ -374,10 +377,10 @@ void drawBias(State& state, const LayerRecipe& layer) {
   };
   enum Kind { kNone, kPainted, kImage, kAttribute };
   constexpr const char* kNames[] = {"None", "Painted", "Image", "Attribute"};
-  int index = !layer.bias                           ? kNone
-              : layer.bias->texture.empty()         ? kAttribute
-              : painted(state, layer.bias->texture) ? kPainted
-                                                    : kImage;
+  int index = !layer.bias                      ? kNone
+              : layer.bias->texture.empty()    ? kAttribute
+              : painted(state, Painted::kBias) ? kPainted
+                                               : kImage;
   if (choice(
           "layer.bias", "Rest bias", index, kNames,
           "What is wrinkled at rest: nothing, what is painted with the bias tool, an image of yours (black "

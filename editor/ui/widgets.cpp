@@ -346,13 +346,13 @@ bool field(const char* id, const char* label, std::string& value, const char* ti
   row(label);
   static std::string typed;  // of the one that has the keyboard
   std::string text = value;
-  const bool entered = ImGui::InputText(hidden(id).c_str(), &text, ImGuiInputTextFlags_EnterReturnsTrue);
+  ImGui::InputText(hidden(id).c_str(), &text, ImGuiInputTextFlags_EnterReturnsTrue);
   const bool left = ImGui::IsItemDeactivatedAfterEdit();
   if (ImGui::IsItemActive())
     typed = text;
   else if (left && text == value && !ImGui::IsKeyPressed(key::kEscape))
     text = typed;  // the keyboard was taken from it
-  if (!(entered || left) || text == value) return done(id, tip, false);
+  if (!left || text == value) return done(id, tip, false);
   value = text;
   return done(id, tip, true);
 }

@@ -308,6 +308,10 @@ expect no error
   EXPECT_NE(text.find("sheet_lines_mask.png"), std::string::npos) << text;
   const Image mask = pipeline::readImage(folder() / "sheet_lines_mask.png");
   EXPECT_EQ(mask.channels, 1u);
+  // Opened again it is still painted, not an image of the artist's.
+  const std::string again = sheet() + "click layer.select.lines\nclick section.response\nexpect widget ";
+  EXPECT_EQ(play(again + "layer.mask\n").status, 0);
+  EXPECT_EQ(play(again + "layer.mask_image\n").status, 2);
 }
 
 TEST_F(EditorTest, StrokesThatComeFromBesideTheSurfaceBeginWhereTheyMeetIt) {

@@ -829,6 +829,24 @@ TEST(InputQueueTest, AModifierLetGoBetweenTwoFramesWasDownForTheKey) {
   EXPECT_FALSE(io.KeyCtrl);
 }
 
+// What is dragged follows the pointer in frames that have the button down.
+TEST(InputQueueTest, ADragEndsWhereTheButtonWasLetGo) {
+  ui::InputQueue input;
+  ImGuiIO io;
+  input.pointer({10, 20});
+  input.button(0, true);
+  input.pointer({30, 20});
+  input.pointer({50, 20});
+  input.button(0, false);
+  input.apply(io);
+  EXPECT_TRUE(io.MousePos.x == 10.0f && io.MouseDown[0]);
+  input.apply(io);
+  EXPECT_TRUE(io.MousePos.x == 50.0f && io.MouseDown[0]);
+  input.apply(io);
+  EXPECT_TRUE(io.MousePos.x == 50.0f && !io.MouseDown[0]);
+  EXPECT_TRUE(input.empty());
+}
+
 TEST(InputQueueTest, KeysPressedBetweenTwoFramesHaveAFrameEach) {
   ui::InputQueue input;
   ImGuiIO io;
