@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <glm/common.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/trigonometric.hpp>

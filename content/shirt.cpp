@@ -1,6 +1,5 @@
 #include <cmath>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <iterator>
 

@@ -1,4 +1,3 @@
-#include <cstdio>
 
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"

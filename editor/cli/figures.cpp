@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
 

@@ -1,6 +1,5 @@
 #include "editor/session/settings.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
 #include "editor/ui/layer_panel.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "editor/ui/character_section.h"

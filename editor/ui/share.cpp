@@ -1,6 +1,5 @@
 #include "editor/ui/share.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <string_view>
 #include <utility>

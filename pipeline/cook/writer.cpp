@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "asset_header.h"

@@ -2,8 +2,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-
 #include "../unit/sheets.h"
 
 namespace {

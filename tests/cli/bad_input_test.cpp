@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include <cmath>
 #include <limits>
 
 #include "runtime/src/asset_header.h"

@@ -2,7 +2,6 @@
 // carries the same values.
 
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <set>

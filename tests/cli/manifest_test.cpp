@@ -2,8 +2,6 @@
 
 #include <signal.h>
 
-#include <set>
-
 #include "tests/cli/tool.h"
 
 namespace furrow::test {

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <span>
 #include <string_view>
 
 #include "pipeline/cook/cook.h"

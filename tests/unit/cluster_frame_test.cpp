@@ -8,7 +8,6 @@
 #endif
 
 #include <cstring>
-#include <numeric>
 #include <random>
 #include <set>
 #include <thread>

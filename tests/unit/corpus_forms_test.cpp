@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <random>
-#include <set>
 #include <thread>
 
 #include "editor/preview/loaded_asset.h"

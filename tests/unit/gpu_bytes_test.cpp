@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <numbers>
 #include <set>
 
 #include "furrow/frame_plan.h"

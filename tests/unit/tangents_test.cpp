@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numeric>
 
 namespace furrow::pipeline {
 namespace {

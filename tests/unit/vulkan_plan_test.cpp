@@ -6,7 +6,6 @@
 
 #include <cstring>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "furrow/frame_plan.h"
