@@ -796,9 +796,9 @@ TEST(InputQueueTest, WhatGoesDownAndUpBetweenTwoFramesIsDownInOne) {
   EXPECT_FALSE(io.MouseDown[0]);
   input.apply(io);
   EXPECT_EQ(io.MousePos.x, 50.0f);
-  EXPECT_TRUE(io.KeysDown['S'] && io.KeyCtrl);
+  EXPECT_TRUE(io.KeysDown[int{'S'}] && io.KeyCtrl);
   input.apply(io);
-  EXPECT_FALSE(io.KeysDown['S'] || io.KeyCtrl);
+  EXPECT_FALSE(io.KeysDown[int{'S'}] || io.KeyCtrl);
   EXPECT_TRUE(input.empty());
 }
 
@@ -812,13 +812,13 @@ TEST(InputQueueTest, AModifierLetGoBetweenTwoFramesWasDownForTheKey) {
   input.key(341, false);
   input.key('K', false);
   input.apply(io);
-  EXPECT_TRUE(io.KeysDown['K'] && io.KeyCtrl);
+  EXPECT_TRUE(io.KeysDown[int{'K'}] && io.KeyCtrl);
   input.apply(io);
-  EXPECT_FALSE(io.KeysDown['K'] || io.KeyCtrl);
+  EXPECT_FALSE(io.KeysDown[int{'K'}] || io.KeyCtrl);
   input.key('K', true);
   input.key(341, true);  // too late for the key
   input.apply(io);
-  EXPECT_TRUE(io.KeysDown['K'] && !io.KeyCtrl);
+  EXPECT_TRUE(io.KeysDown[int{'K'}] && !io.KeyCtrl);
   input.apply(io);
   EXPECT_TRUE(io.KeyCtrl);
   input.wheel(0, 1);
@@ -853,11 +853,11 @@ TEST(InputQueueTest, KeysPressedBetweenTwoFramesHaveAFrameEach) {
   for (const int key : {'B', 'X'}) input.key(key, true);
   for (const int key : {'B', 'X'}) input.key(key, false);
   input.apply(io);
-  EXPECT_TRUE(io.KeysDown['B'] && !io.KeysDown['X']);
+  EXPECT_TRUE(io.KeysDown[int{'B'}] && !io.KeysDown[int{'X'}]);
   input.apply(io);
-  EXPECT_TRUE(io.KeysDown['X']);
+  EXPECT_TRUE(io.KeysDown[int{'X'}]);
   while (!input.empty()) input.apply(io);
-  EXPECT_FALSE(io.KeysDown['B'] || io.KeysDown['X']);
+  EXPECT_FALSE(io.KeysDown[int{'B'}] || io.KeysDown[int{'X'}]);
 }
 
 TEST(InputQueueTest, NothingStaysDownWhenTheWindowIsLeft) {
@@ -872,7 +872,7 @@ TEST(InputQueueTest, NothingStaysDownWhenTheWindowIsLeft) {
   input.key('A', true);
   input.release();
   while (!input.empty()) input.apply(io);
-  EXPECT_FALSE(io.MouseDown[1] || io.KeysDown['A']);
+  EXPECT_FALSE(io.MouseDown[1] || io.KeysDown[int{'A'}]);
   input.pointerLeft();
   input.apply(io);
   EXPECT_LT(io.MousePos.x, -1e30f);
