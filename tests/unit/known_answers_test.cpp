@@ -432,6 +432,42 @@ TEST(Cook, AMaskCoversWhatAnyPoseSqueezes) {
   }
 }
 
+TEST(Cook, ADriverSharesItsGainAmongTheSidesOfItsShape) {
+  SourceScene scene = sceneOf(sheet(4), [](glm::dvec3 p) { return p * 0.9; });
+  scene.rig.morphs.assign(3, scene.rig.morphs[0]);
+  scene.primitives[0].morphs.assign(3, scene.primitives[0].morphs[0]);
+  const char* const names[] = {"browDown_L", "browDown_R", "jawOpen"};
+  for (size_t m = 0; m < 3; ++m) scene.rig.morphs[m].name = names[m];
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.drivers = {{"browDown", 0.8, {}}};
+  const Asset asset = cookAsset(scene, recipeOf({layer}));
+  ASSERT_EQ(asset.view().drivers.size(), 2u);
+  for (uint32_t m = 0; m < 2; ++m) {
+    EXPECT_EQ(asset.view().drivers[m].morph, m);
+    EXPECT_EQ(asset.view().drivers[m].gain, 0.4f);
+  }
+}
+
+// A crease along one side of a square: z falls from 1 as cosh((1 - y) / R) / cosh(1 / R) with R = 1/4, and
+// below a quarter it is called a guess, which is from y = 0.348 on.
+TEST(Cook, TellsHowMuchOfADirectionIsAGuess) {
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.direction = pipeline::DirectionGuides{{{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}}, {}};
+  const SourceScene scene = sceneOf(sheet(40), [](glm::dvec3 p) { return p; });
+  const auto warned = [](const pipeline::CookReport& report) {
+    return std::ranges::any_of(report.warnings, [](const std::string& warning) {
+      return warning.find("its direction is little more than a guess on 6") != std::string::npos;
+    });
+  };
+  const pipeline::CookReport side = pipeline::cook(scene, recipeOf({layer}), {}).report;
+  EXPECT_NEAR(side.layers[0].low_confidence, 0.652, 0.03);
+  EXPECT_TRUE(warned(side));
+  layer.direction = pipeline::DirectionGuides{{{{0.0, 0.5, 0.0}, {1.0, 0.5, 0.0}}}, {}};
+  const pipeline::CookReport middle = pipeline::cook(scene, recipeOf({layer}), {}).report;
+  EXPECT_LT(middle.layers[0].low_confidence, 0.1);  // 1 / cosh(2) is more than a quarter
+  EXPECT_FALSE(warned(middle));
+}
+
 // The deform job against the importer's reference in double, on real files.
 class Posed : public testing::TestWithParam<const char*> {};
 
