@@ -46,6 +46,22 @@ TEST(Tangents, MirroredChartsHaveTheOtherSign) {
   }
 }
 
+// Two charts meet along an edge whose vertices agree in all but their UVs.
+TEST(Tangents, DoNotMixOverASeam) {
+  Mesh mesh = quad(), right = quad();
+  for (size_t v = 0; v < 4; ++v) {
+    mesh.positions.push_back(right.positions[v] + glm::vec3(1, 0, 0));
+    mesh.normals.push_back(right.normals[v]);
+    mesh.uvs.push_back({2.0f + right.uvs[v].y, right.uvs[v].x});  // a quarter turn
+  }
+  for (const glm::uvec3& t : right.triangles) mesh.triangles.push_back(t + 4u);
+  const std::vector<glm::vec4> found = mesh.run();
+  for (size_t v = 0; v < 4; ++v) {
+    expectNear(found[v], {1, 0, 0, 1});
+    EXPECT_NEAR(found[v + 4].y, -1.0f, 1e-6f) << v;
+  }
+}
+
 TEST(Tangents, FollowShearedUvs) {
   Mesh mesh = quad();
   for (glm::vec2& uv : mesh.uvs) {
