@@ -29,6 +29,7 @@ constexpr uint32_t kSizeStep = 64, kMostSize = 2048, kDerivedMaskSize = 512;
 constexpr uint32_t kWindowMargin = 2;     // mask texels; bilinear filtering reads one beyond the mask
 constexpr double kNearlyWhole = 0.9;      // of a period: not worth a window
 constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
+constexpr double kFlat = 0.9;             // of a sheet's area, the largest shadow that it casts at least
 constexpr float kFaintest = 0.2f;         // depth of a synthesised map where the clips squeeze least
 
 struct PresetDefaults {
@@ -449,31 +450,44 @@ struct Box {
   double diagonal() const { return lowest.x <= highest.x ? double{glm::length(highest - lowest)} : 0.0; }
 };
 
-// What the layer reaches, and what of that morph targets squeeze.
+// What the layer reaches, and what of that morph targets squeeze; none of it is a face where all that the
+// layer lies on is a flat sheet.
 struct Reach {
   Box all, face;
+  bool flat = false;
 };
 
 Reach reachOf(const LayerInput& input, const BakedLayer& layer) {
   const std::vector<uint8_t>& by_morph = input.squeeze.by_morph;  // empty if no layer asks for the squeeze
+  const std::vector<glm::vec3>& at = input.surface.point_positions;
   Reach reach;
+  glm::dvec3 sum(0.0);
+  double area = 0.0;
   for (size_t t = 0; t < input.surface.triangles.size(); ++t) {
     const glm::uvec3 corners = input.surface.trianglePoints(t);
+    if (layer.covered[t]) {
+      const glm::dvec3 a = at[corners.x], b = at[corners.y], c = at[corners.z];
+      const glm::dvec3 normal = glm::cross(b - a, c - a);
+      sum += normal;
+      area += glm::length(normal);
+    }
     for (const uint32_t p : {corners.x, corners.y, corners.z}) {
       if (layer.field.strength[p] < 0.1f) continue;
-      reach.all.add(input.surface.point_positions[p]);
-      if (!by_morph.empty() && by_morph[t]) reach.face.add(input.surface.point_positions[p]);
+      reach.all.add(at[p]);
+      if (!by_morph.empty() && by_morph[t]) reach.face.add(at[p]);
     }
   }
+  reach.flat = glm::length(sum) > kFlat * area;
   return reach;
 }
 
 }  // namespace
 
 void resolveMaps(const LayerInput& input, const BakedLayer& layer, LayerRecipe& recipe) {
-  // Where there is a face its lines set the measure: those of a whole body would be as wide as its mouth.
+  // Where there is a face its lines set the measure: those of a whole body would be as wide as its mouth. A
+  // flat sheet is none, whatever moves it.
   const Reach reach = reachOf(input, layer);
-  const bool face = reach.face.diagonal() > 0.0;
+  const bool face = reach.face.diagonal() > 0.0 && !reach.flat;
   const double spacing = legible((face ? reach.face : reach.all).diagonal() / kSpacingsAcross);
   if (!(spacing > 0.0)) return;
   const Preset preset = face ? Preset::kSkin : Preset::kCloth;

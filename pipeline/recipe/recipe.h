@@ -80,7 +80,7 @@ struct MapHeight {
   double depth = 0.0;  // root-space units between black and white; 0: as for MapSynthesized
 };
 struct MapSynthesized {
-  std::optional<Preset> preset;  // default: skin if morph targets squeeze the layer, cloth if only joints do
+  std::optional<Preset> preset;  // default: skin if morph targets squeeze what is no flat sheet, else cloth
   double spacing = 0.0;          // 0: worked out from the size of the surface
   double depth = 0.0;
   uint32_t seed = 1;

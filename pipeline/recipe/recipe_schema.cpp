@@ -132,8 +132,8 @@ Shape describeMask() {
 Shape describeMap() {
   Shape synthesis =
       object({{"preset", word({"skin", "skin_fine", "cloth", "cloth_puckers"}),
-               "Narrow valleys, fine lines, round folds or short bulges; default: skin or cloth, worked "
-               "out from the rig."},
+               "Narrow valleys, fine lines, round folds or short bulges; default: skin where morph targets "
+               "squeeze a surface that is no flat sheet, else cloth."},
               {"spacing", above(0, kLength),
                "Ridge to ridge, in the scene's unit; default: worked out from the surface."},
               {"depth", above(0, kLength),
