@@ -92,9 +92,9 @@ dvec3 eyeBlink(const HeadPoint& point) {
 
 // The skin beside the outer corner of the eye is gathered to the corner's height.
 dvec3 gatheredTemple(dvec3 p) {
-  const double temple = spot(p, {5.6, 0.0}, {1.2, 2.2}) *
+  const double temple = spot(p, {5.7, 0.0}, {1.2, 2.6}) *
                         smoothRamp(head::kEyeOuter - 0.1, head::kEyeOuter + 0.9, p.x) * front(p);
-  return dvec3(-0.22, -0.50 * p.y * std::exp(-std::pow(p.y / 1.7, 2)), 0.12) * temple;
+  return dvec3(-0.22, -0.46 * p.y * std::exp(-std::pow(p.y / 2.3, 2)), 0.12) * temple;
 }
 
 // Orbicularis oculi: the lids narrow.
@@ -117,18 +117,22 @@ double side(double x) {
   return smoothRamp(-1.3, 1.3, x);
 }
 
-// The corner goes out and up, the cheek piles up behind the nasolabial fold.
+// The corner goes out and up, the lip is drawn under the nasolabial fold, behind which the cheek piles up.
 dvec3 mouthSmile(const HeadPoint& point) {
   const dvec3 p = point.position;
   const double left = side(p.x) * front(p);
   const head::Fold fold = head::nasolabialFold(p);
   const double lips = spot(p, {2.5, -7.0}, {1.9, 1.25}) * left;
   const double held = smoothRamp(0.9, 0.0, fold.distance);
+  const double beside = smoothRamp(-3.4, -4.8, p.y) * smoothRamp(-8.0, -6.6, p.y) * left;
+  const double lip_side = smoothRamp(-2.2, -0.7, fold.distance) * smoothRamp(0.5, -0.6, fold.distance) *
+                          smoothRamp(-7.2, -5.6, p.y);
   const double cheek = spot(p, {4.0, -4.2}, {1.7, 1.9}) * left * smoothRamp(-0.8, -2.0, p.y) *
-                       smoothRamp(-0.2, 0.7, fold.distance);
-  const double crease = std::exp(-std::pow(fold.distance / 0.4, 2)) * spot(p, {2.8, -5.6}, {1.8, 2.0}) * left;
-  return dvec3(0.70, 0.54, -0.38) * lips * (0.25 + 0.75 * held) + dvec3(0.02, 0.34, 0.42) * cheek +
-         dvec3(0.05, 0.06, -0.10) * crease;
+                       smoothRamp(-0.15, 0.65, fold.distance);
+  const double crease = std::exp(-std::pow(fold.distance / 0.32, 2)) * beside;
+  return dvec3(0.70, 0.54, -0.38) * lips * (0.25 + 0.75 * held) +
+         dvec3(0.24 * fold.across, 0) * lip_side * beside + dvec3(0.02, 0.36, 0.50) * cheek +
+         dvec3(0.02, 0.03, -0.13) * crease;
 }
 
 // How much of a pull at one corner of the mouth a point feels.

@@ -24,9 +24,9 @@ constexpr double kPi = glm::pi<double>();
 std::vector<Material> materials() {
   return {{"skin", glm::vec3(1), 0.56f},
           {"ears", glm::vec3(1), 0.55f},
-          {"lids", {1.05f, 0.90f, 0.88f}, 0.35f, true},
+          {"lids", {1.0f, 0.86f, 0.84f}, 0.35f, true},
           {"mouth", {0.30f, 0.10f, 0.09f}, 0.8f, true},
-          {"teeth", {0.90f, 0.85f, 0.78f}, 0.35f},
+          {"teeth", {1.0f, 0.97f, 0.93f}, 0.35f},
           {"hair", glm::vec3(1), 0.56f, true},
           {"brows", glm::vec3(1), 0.85f, true},
           {"shirt", glm::vec3(1), 0.9f, true},

@@ -143,11 +143,12 @@ Painting paintingAt(dvec3 p) {
   result.mouth = tangent(p, {across.x * mirror, across.y, 0});
 
   // Lines that never leave: two on the forehead, one under each eye, a trace of the nasolabial fold.
-  double bias =
-      0.04 * std::exp(-std::pow((m.y - 4.4 - 0.12 * std::cos(m.x)) / 0.55, 2)) * smoothRamp(4.2, 2.4, m.x);
-  bias += 0.03 * under_eye;
-  bias += 0.12 * std::exp(-std::pow(distance / 0.45, 2)) * mouth * smoothRamp(-6.8, -5.6, m.y);
-  result.bias = static_cast<float>(0.5 + bias * in_front);
+  result.bias = glm::vec3(
+      0.5 +
+      in_front * dvec3(0.04 * std::exp(-std::pow((m.y - 4.4 - 0.12 * std::cos(m.x)) / 0.55, 2)) *
+                           smoothRamp(4.2, 2.4, m.x),
+                       0.10 * under_eye,
+                       0.34 * std::exp(-std::pow(distance / 0.45, 2)) * mouth * smoothRamp(-8.2, -6.6, m.y)));
   return result;
 }
 

@@ -49,7 +49,7 @@ Image eyeColors();  // its colour map
 struct Painting {
   glm::vec4 mask_a, mask_b;    // forehead, glabella, crow's feet, bunny lines; mouth, chin, lips, neck
   glm::vec3 eye, nose, mouth;  // across the creases, unit
-  float bias;                  // neutral 0.5
+  glm::vec3 bias;              // of forehead, eyes and mouth; neutral 0.5
 };
 Painting paintingAt(glm::dvec3 p);
 glm::dvec3 skinColor(glm::dvec3 p);

@@ -100,7 +100,7 @@ dvec2 lidMargins(double x) {
   const double corner_line = glm::mix(-0.16, 0.06, t);
   const double upper = std::pow(std::sin(glm::pi<double>() * std::pow(t, 0.88)), 0.8);
   const double lower = std::pow(std::sin(glm::pi<double>() * std::pow(t, 1.15)), 0.85);
-  return {corner_line + 0.43 * upper, corner_line - 0.42 * lower};
+  return {corner_line + 0.52 * upper, corner_line - 0.45 * lower};
 }
 
 double lipLine(double x) {

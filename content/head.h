@@ -9,8 +9,8 @@
 namespace furrow::content::head {
 
 inline constexpr glm::dvec3 kEye{3.15, 0.0, 0.05};           // centre of the left eyeball
-inline constexpr double kEyeball = 1.30, kLid = 1.46;        // radii of the eyeball and of the lids' outside
-inline constexpr double kEyeInner = 1.78, kEyeOuter = 4.52;  // x of the corners
+inline constexpr double kEyeball = 1.32, kLid = 1.49;        // radii of the eyeball and of the lids' outside
+inline constexpr double kEyeInner = 1.66, kEyeOuter = 4.66;  // x of the corners
 inline constexpr double kMouth = 2.55;                       // x of the corner
 
 double distance(glm::dvec3 p);

@@ -6,9 +6,9 @@ namespace furrow::content {
 
 // A man's head and collar: 30 ARKit-named morph targets, clip "performance". Masks in _MASK_A: forehead,
 // glabella, crow's feet, bunny lines; in _MASK_B: beside the mouth, chin, lips, neck; directions across the
-// creases in _DIR_EYE, _DIR_NOSE and _DIR_MOUTH; rest bias in _BIAS.x (neutral 0.5). The skin and the
-// eyes have colour maps, the skin a normal map, too; their COLOR_0 is what the head keeps the light off,
-// elsewhere it is the colour.
+// creases in _DIR_EYE, _DIR_NOSE and _DIR_MOUTH; rest bias of forehead, eyes and mouth in _BIAS (neutral
+// 0.5). The skin and the eyes have colour maps, the skin a normal map, too; their COLOR_0 is what the head
+// keeps the light off, elsewhere it is the colour.
 Scene buildFace();
 
 // A bomber jacket: joints hips, spine, chest, and an upper arm and a forearm a side, each with a helper that

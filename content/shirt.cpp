@@ -16,7 +16,7 @@ using glm::dvec3;
 
 FacePart shirt() {
   constexpr double kPi = glm::pi<double>();
-  constexpr uint32_t kSpokes = 104, kDown = 10;
+  constexpr uint32_t kSpokes = 88, kDown = 17;
   constexpr double kAxis = -8.3;
   // Of the collar: distance below its edge and height above the skin.
   constexpr dvec2 kRoll[] = {{1.0, 0.05}, {0.4, 0.08},  {0.1, 0.14}, {0.0, 0.26}, {0.06, 0.40}, {0.22, 0.50},

@@ -16,7 +16,7 @@ using glm::dvec3;
 
 constexpr double kPi = glm::pi<double>();
 // Of the material's.
-constexpr dvec3 kEnamel(1.0, 0.90, 0.74), kGum(0.55, 0.20, 0.20), kTongue(0.50, 0.19, 0.18);
+constexpr dvec3 kEnamel(1.0, 0.90, 0.77), kGum(0.52, 0.18, 0.17), kTongue(0.47, 0.17, 0.15);
 
 // Columns and rows of points, `from` on; quads that face out are counter-clockwise.
 void addGrid(FacePart& part, uint32_t from, uint32_t columns, uint32_t rows, bool turned) {
@@ -86,7 +86,7 @@ void addRow(FacePart& part, bool lower) {
       const dvec3 p = dvec3(arch.x, edge + (lower ? -y : y), arch.y - (lower ? 0.2 : 0.0)) + out * thick;
       // The cheeks keep the light off of what lies behind the corners of the mouth.
       const double shade = glm::mix(1.0, 0.30, smoothRamp(1.0, 3.4, std::abs(at)));
-      const double gap = gum || v < 0.05 ? 1.0 : glm::mix(0.62, 1.0, std::min(1.0, 3 * middle));
+      const double gap = gum || v < 0.05 ? 1.0 : glm::mix(0.78, 1.0, std::min(1.0, 3 * middle));
       const dvec3 color =
           (gum ? kGum : glm::mix(kEnamel, kEnamel * dvec3(1.0, 0.93, 0.84), smoothRamp(0.4, 1.0, v))) * gap *
           shade;

@@ -587,8 +587,8 @@ TEST(Content, BlinkingLidsMeet) {
   float open = 0;
   for (size_t v = 0; v < posed.size(); ++v) {
     const glm::vec3 p = skin.positions[v];
-    if (p.x < 0.018f || p.x > 0.0452f || std::abs(p.y) > 0.01f || !inside.contains(keyOf(p))) continue;
-    const float middle = glm::mix(-0.0016f, 0.0006f, (p.x - 0.0178f) / (0.0452f - 0.0178f));
+    if (p.x < 0.0168f || p.x > 0.0466f || std::abs(p.y) > 0.01f || !inside.contains(keyOf(p))) continue;
+    const float middle = glm::mix(-0.0016f, 0.0006f, (p.x - 0.0166f) / (0.0466f - 0.0166f));
     (p.y > middle ? upper : lower).push_back(posed[v]);
     open = std::max(open, std::abs(p.y - middle));
   }
