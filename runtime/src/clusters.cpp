@@ -374,6 +374,9 @@ Status Clusters::build(const AssetView& source, const ClusterLimits& limits) try
   Builder builder(source, most, built);
   if (Status status = builder.build(); !status.ok()) return status;
   built.rest_words_ = builder.restWords();
+  built.clusters.shrink_to_fit(), built.words.shrink_to_fit(), built.layer_words.shrink_to_fit();
+  built.morph_run_begin.shrink_to_fit(), built.morph_runs.shrink_to_fit();
+  built.morph_slots.shrink_to_fit(), built.morph_index.shrink_to_fit();
   for (const Cluster& c : built.clusters)
     built.scratch_bytes_ = std::max(built.scratch_bytes_, furrow::scratchBytes(c, source.layerCount()));
   *this = std::move(built);

@@ -1,6 +1,6 @@
-// threads_test ASSET.furrow SLEEVE.furrow: many instances of one asset on many threads, assets loading and
-// instances going over to them meanwhile; and the same bits, of pictures too, for any number of threads, on
-// every instruction set, on both sides of every seam.
+// threads_test ASSET.furrow SLEEVE.furrow: many instances of one asset on many threads, with one binding too,
+// assets loading and instances going over to them meanwhile; and the same bits, of pictures too, for any
+// number of threads, on every instruction set, on both sides of every seam.
 
 #include <algorithm>
 #include <atomic>
@@ -216,6 +216,61 @@ void testReloadUnderRunningInstances(const std::vector<char>& a, const std::vect
   furrow_context_release(context);  // the slot's asset holds it until the end of the scope
 }
 
+// A mesh of the engine's that all its instances share, the asset's own vertices backwards.
+void testOneBindingForAllInstances(const std::vector<char>& file) {
+  FurrowContext* context = makeContext(nullptr);
+  FurrowAsset* asset = loadAsset(context, file);
+  const FurrowAssetInfo info = infoOf(asset);
+  FurrowStatus status;
+  FurrowGeometry geometry = {};
+  geometry.size = sizeof geometry;
+  must(furrow_asset_geometry(asset, &geometry, &status), status);
+  FurrowPartInfo part = {};
+  part.size = sizeof part;
+  must(furrow_part_info(asset, 0, &part, &status), status);
+  std::vector<float> vertices(3 * size_t{part.vertex_end});
+  for (size_t v = part.vertex_begin; v < part.vertex_end; ++v)
+    std::copy_n(geometry.positions + 3 * v, 3, &vertices[3 * (part.vertex_end - 1 - v)]);
+  FurrowBindDesc desc = {};
+  desc.size = sizeof desc;
+  desc.positions = {vertices.data(), vertices.size() * sizeof(float), 0, 0, FURROW_FLOAT3};
+  desc.vertices = part.vertex_end - part.vertex_begin;
+  std::copy_n(part.rest, 12, desc.to_root);
+  desc.tolerance = 2.0f * info.position_error;
+  FurrowBinding* binding = nullptr;
+  FurrowBindCounts counts = {};
+  counts.size = sizeof counts;
+  must(furrow_binding_create(asset, &desc, &binding, &counts, &status), status);
+  FURROW_CHECK(counts.matched > desc.vertices / 2);
+
+  for (size_t v = 0; v < vertices.size(); v += 3) vertices[v] *= 0.7f;
+  constexpr size_t kThreads = 4;
+  std::vector<float> weights[kThreads];
+  {
+    std::vector<std::jthread> threads;
+    for (auto& out : weights)
+      threads.emplace_back([&] {
+        FurrowInstance* instance = makeInstance(asset, FURROW_KEEP_POSITIONS);
+        const FurrowPosedMesh mesh = {desc.positions, {}, binding};
+        FurrowFrame frame = {};
+        frame.size = sizeof frame, frame.meshes = &mesh, frame.mesh_count = 1;
+        run(instance, frame);
+        FurrowReadDesc read = {};
+        read.size = sizeof read, read.binding = binding, read.format = FURROW_WEIGHTS_FLOAT;
+        out.resize(size_t{desc.vertices} * info.layers);
+        read.out = out.data(), read.bytes = out.size() * sizeof(float);
+        FurrowStatus own;
+        must(furrow_instance_read(instance, &read, &own), own);
+        furrow_instance_release(instance);
+      });
+  }
+  for (const auto& each : weights) FURROW_CHECK(each == weights[0]);
+  FURROW_CHECK(std::any_of(weights[0].begin(), weights[0].end(), [](float w) { return w > 0.1f; }));
+  furrow_binding_release(binding);
+  furrow_asset_release(asset);
+  furrow_context_release(context);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -223,6 +278,7 @@ int main(int argc, char** argv) {
   const std::vector<char> other = readFile(argv[1]), sleeve = readFile(argv[2]);
   testSameBits(sleeve);
   testReloadUnderRunningInstances(other, sleeve);
+  testOneBindingForAllInstances(sleeve);
   std::printf("%d failures\n", failures);
   return failures ? 1 : 0;
 }

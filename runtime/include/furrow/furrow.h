@@ -12,20 +12,22 @@
 //   crashes; pointers to freed objects and to memory shorter than said cannot be told.
 // - Structs begin with `size`: set it to sizeof. Fields that you do not know are then never read or written,
 //   so a program keeps working with newer libraries; zero in a field means the default, so begin with
-//   `FurrowFrame frame = {.size = sizeof frame}`. A library that is older than your header refuses a field it
-//   does not know, unless it is zero. Structs without `size`, of which there are arrays or which are parts of
-//   others, are as they are for ever.
-// - Threads: a context and an asset may be used by any number of threads at once. An instance and a binding
-//   belong to one thread at a time, any thread. Nothing is locked and nothing waits.
+//   `FurrowFrame frame = {.size = sizeof frame}`, or in C++ `FurrowFrame frame = {}; frame.size = sizeof
+//   frame;`. A library that is older than your header refuses a field it does not know, unless it is zero.
+//   Structs without `size`, of which there are arrays or which are parts of others, are as they are for ever.
+// - Threads: contexts, assets, bindings and plans may be used by any number of threads at once. An instance
+//   belongs to one thread at a time, any thread. Nothing is locked and nothing waits.
 // - Names are UTF-8, end in 0 and live as long as their asset. Vertices are in the asset's order unless a
 //   binding says otherwise. Matrices are the upper three rows of an affine 4x4 matrix, row-major, for column
-//   vectors.
+//   vectors. Space is glTF's: right-handed, +Y up, v of uvs downwards; lengths are in the source's unit.
 //
 // Memory: contexts, assets, bindings and instances, and all they hold, come from the context's allocator. By
 // C++'s operator new come working memory of furrow_asset_create() (decoding, Draco among it; about the
 // asset's size once more) and of furrow_binding_create() with a tolerance, given back before the call
 // returns, and what a plan holds, given back when it is released. furrow_instance_frame() allocates nothing,
-// takes no lock and makes no system call; neither do reading, recapture and furrow_plan_write().
+// takes no lock and makes no system call; neither do reading, recapture and furrow_plan_write(). A large
+// asset lies in a few large blocks: an allocator that has pages of 2 MiB for those makes frames of a million
+// triangles a few percent faster (docs/integration.md).
 
 #include <stddef.h>
 #include <stdint.h>
@@ -121,7 +123,8 @@ FURROW_API const char* furrow_context_simd(const FurrowContext* context);
 typedef struct FurrowAsset FurrowAsset;
 
 enum {
-  // Leave the clustered form out: 30 bytes a triangle less, and frames take about twice as long.
+  // Leave the clustered form out: 30 bytes a triangle less and 10 a layer, and frames take about twice as
+  // long.
   FURROW_ASSET_STAGED = 1
 };
 
@@ -301,7 +304,9 @@ typedef struct FurrowBindCounts {
   uint32_t missing;                        // points of the asset that none of them is
 } FurrowBindCounts;
 
-// `counts` may be NULL. A binding in which nothing matched is no error: look at the counts.
+// `counts` may be NULL. A binding in which nothing matched is no error: look at the counts. Vertices go to
+// the places of the source by a hash of their position, which is held against the place: a stranger does not
+// match (furrow/bind.h has the chances).
 FURROW_API int32_t furrow_binding_create(FurrowAsset* asset, const FurrowBindDesc* desc,
                                          FurrowBinding** binding, FurrowBindCounts* counts,
                                          FurrowStatus* status);
