@@ -693,8 +693,9 @@ void runCluster(const ClusterFrameJob& job, const Cluster& c, const ClusterScrat
     else
       posePositions<uint8_t>(job, c, scratch.positions);
     if (!job.positions.empty())
-      for (uint32_t s = 0; s < c.vertices; ++s)
-        std::memcpy(&job.positions[vertex[s]], scratch.positions + 4 * size_t{s}, sizeof(Float3));
+      inFours(0, c.vertices, [vertex, from = scratch.positions, to = job.positions.data()](uint32_t i) {
+        std::memcpy(to + vertex[i], from + 4 * size_t{i}, sizeof(Float3));
+      });
   }
   for (uint32_t first = 0; first < asset.layerCount(); first += kPass) {
     const uint32_t count = std::min(kPass, asset.layerCount() - first);

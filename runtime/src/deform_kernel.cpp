@@ -70,9 +70,8 @@ Matrices dualQuaternion(const DeformJob& job, const Group& group) {
   return out;
 }
 
-// Groups of 64 vertices at a time, since a core must have several of the long chains of square root and
-// division at work.
-constexpr uint32_t kTeam = 64 / kWidth;
+// Vectors at a time, since a core must have several of the long chains of square root and division at work.
+constexpr uint32_t kTeam = 4;
 
 HWY_INLINE void pose(const DeformJob& job, const Group (&groups)[kTeam], uint32_t count) {
   Vectors normals[kTeam], tangents[kTeam];

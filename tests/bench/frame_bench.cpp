@@ -8,7 +8,6 @@
 #include <sys/mman.h>
 #endif
 
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -22,6 +21,7 @@
 #include <thread>
 
 #include "../unit/sheets.h"
+#include "eigen_reference.h"
 #include "furrow/cluster_frame.h"
 #include "staged_reference.h"
 
@@ -247,7 +247,7 @@ struct EigenRings {
   }
   Form form() {
     return {"eigen", pieces(static_cast<uint32_t>(rings.rows()), [this](uint32_t begin, uint32_t end) {
-              q.segment(begin, end - begin).noalias() = rings.middleRows(begin, end - begin) * triangle_q;
+              bench::gather(rings, triangle_q, begin, end, q);
             })};
   }
   Eigen::SparseMatrix<float, Eigen::RowMajor> rings;
