@@ -83,7 +83,7 @@ std::vector<Action> Editor::fileActions() {
                  files_.open("Write turntable frames into a folder", s.settings.folder, {}, true,
                              [this](const fs::path& folder) { share_.startTurntable(folder); });
                },
-           .enabled = has_picture},
+           .enabled = [this, has_picture] { return has_picture() && !share_.running(); }},
           {.id = "file.clip",
            .menu = "File",
            .label = "Clip frames ...",
@@ -94,8 +94,9 @@ std::vector<Action> Editor::fileActions() {
                              [this, &s](const fs::path& folder) { share_.startClip(s, folder); });
                },
            .enabled =
-               [&s, has_picture] {
-                 return has_picture() && s.session.player.duration(s.session.shown()->loaded->rig) > 0.0;
+               [this, &s, has_picture] {
+                 return has_picture() && !share_.running() &&
+                        s.session.player.duration(s.session.shown()->loaded->rig) > 0.0;
                }},
           {.id = "file.quit",
            .menu = "File",

@@ -68,8 +68,11 @@ void drawMenus(const std::vector<Action>& actions) {
       first = false;
       if (action.submenu) {
         const bool opened = ImGui::BeginMenu(action.label, action.enabled());
-        if (!opened) mark(action.id);
-        if (!opened) continue;
+        if (!opened) {
+          mark(action.id);
+          tooltip(action.tip);
+          continue;
+        }
         action.submenu();
         ImGui::EndMenu();
         continue;

@@ -391,6 +391,7 @@ void Editor::drawStatus() {
   ImGui::TextDisabled("%u triangles, %u points, %u layers", asset.triangleCount(), asset.pointCount(),
                       asset.layerCount());
   mark("status.size");
+  tooltip("Size of what you see; vertices at one place, on both sides of a seam too, are one point");
   ImGui::SameLine(0.0f, 1.5f * em());
   const Drawn& drawn = state_.drawn[0];
   ImGui::TextDisabled("%s", drawn.tier.c_str());

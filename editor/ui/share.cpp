@@ -66,7 +66,7 @@ void Share::draw() {
   integer("share.width", "Width", options.width, 16, 4096, "Of the pictures in pixels, 16 to 4096");
   integer("share.height", "Height", options.height, 16, 4096, "Of the pictures in pixels, 16 to 4096");
   integer("share.frames", "Turntable frames", options.frames, 2, 2000, "Pictures in a whole turn, 2 to 2000");
-  integer("share.fps", "Clip frames", options.fps, 1, 120, "Pictures a second of the clip, 1 to 120");
+  integer("share.fps", "Clip, a second", options.fps, 1, 120, "Pictures a second of the clip, 1 to 120");
   if (!running()) return;
   char text[48];
   std::snprintf(text, sizeof text, "%d of %d", next_, count_);

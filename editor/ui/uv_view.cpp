@@ -12,6 +12,11 @@ constexpr size_t kMostTriangles = 120000;  // drawn; of a denser mesh an even ch
 
 }  // namespace
 
+std::array<Float2, 3> onFirstTile(Float2 a, Float2 b, Float2 c) {
+  const float u = std::floor((a.x + b.x + c.x) / 3.0f), v = std::floor((a.y + b.y + c.y) / 3.0f);
+  return {{{a.x - u, a.y - v}, {b.x - u, b.y - v}, {c.x - u, c.y - v}}};
+}
+
 void drawUvLayout(const State& state, const Shown& shown, ImVec2 low, ImVec2 size) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float side = std::floor(std::min(size.x, size.y) - 5.0f * em());
@@ -28,25 +33,18 @@ void drawUvLayout(const State& state, const Shown& shown, ImVec2 low, ImVec2 siz
   const uint32_t layer = state.assetLayer(shown);
   const std::span<const uint8_t> mask =
       layer == pipeline::kNoIndex ? std::span<const uint8_t>() : asset.layers[layer].mask;
-  const auto at = [&](uint32_t v) {
-    return ImVec2(corner.x + side * (asset.uvs[v].x - std::floor(asset.uvs[v].x)),
-                  corner.y + side * (asset.uvs[v].y - std::floor(asset.uvs[v].y)));
-  };
+  const auto at = [&](Float2 uv) { return ImVec2(corner.x + side * uv.x, corner.y + side * uv.y); };
   const size_t step = asset.triangleCount() / kMostTriangles + 1;
   for (const Part& part : asset.parts) {
     if (!part.has_uvs) continue;
     for (size_t t = part.triangle_begin; t < part.triangle_end; t += step) {
       const uint32_t* v = &asset.indices[3 * t];
-      const ImVec2 a = at(v[0]), b = at(v[1]), c = at(v[2]);
-      // A triangle over the border of the square would cross it.
-      if (std::max({std::abs(a.x - b.x), std::abs(a.x - c.x), std::abs(a.y - b.y), std::abs(a.y - c.y)}) >
-          0.5f * side)
-        continue;
+      const std::array<Float2, 3> uvs = onFirstTile(asset.uvs[v[0]], asset.uvs[v[1]], asset.uvs[v[2]]);
       uint32_t reach = 255;
       if (!mask.empty()) reach = std::max({mask[v[0]], mask[v[1]], mask[v[2]]});
       if (layer == pipeline::kNoIndex) reach = 0;
       const ImU32 color = reach > 8 ? IM_COL32(236, 160, 72, 60 + reach / 2) : IM_COL32(150, 152, 158, 70);
-      list->AddTriangle(a, b, c, color, 1.0f);
+      list->AddTriangle(at(uvs[0]), at(uvs[1]), at(uvs[2]), color, 1.0f);
     }
   }
   list->AddRect(corner, end, IM_COL32(255, 255, 255, 90));

@@ -13,6 +13,7 @@
 #include "editor/session/samples.h"
 #include "editor/session/settings.h"
 #include "editor/ui/input_queue.h"
+#include "editor/ui/uv_view.h"
 #include "editor/ui/viewport.h"
 #include "furrow/jobs.h"
 #include "pipeline/error.h"
@@ -675,6 +676,17 @@ TEST_F(PaintedSheet, PlayingLoopsOrStopsAndHeldSlidersWin) {
   player.playOrPause(rig);
   EXPECT_FALSE(player.playing);
   EXPECT_NEAR(player.time, 0.2, 1e-9);
+}
+
+TEST(UvViewTest, TrianglesAtTheBorderOfTheirTileStayWhole) {
+  const auto shown = ui::onFirstTile({0.75f, 0.5f}, {1.0f, 0.5f}, {1.0f, 1.0f});
+  EXPECT_EQ(shown[0].x, 0.75f);
+  EXPECT_EQ(shown[1].x, 1.0f);
+  EXPECT_EQ(shown[2].y, 1.0f);
+  const auto second = ui::onFirstTile({1.0f, -0.5f}, {1.25f, -1.0f}, {1.0f, -1.0f});
+  EXPECT_EQ(second[0].x, 0.0f);
+  EXPECT_EQ(second[1].x, 0.25f);
+  EXPECT_EQ(second[0].y, 0.5f);
 }
 
 TEST(CameraTest, ZoomsOnCharactersOfEverySize) {
