@@ -20,6 +20,7 @@ constexpr float kOrbitSpeed = 0.35f;  // degrees a pixel
 constexpr float kLightSpeed = 0.5f;
 constexpr float kZoomStep = 1.12f;
 constexpr float kNearest = 1e-3f, kFarthest = 100.0f;  // camera distance, of the character's size
+constexpr float kOtherUnits = 5.0f;                    // a mesh of another size is framed anew
 constexpr uint32_t kLargestPicture = 4096;
 
 // Everything that a picture depends on, as one number.
@@ -288,6 +289,11 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   list->AddRectFilled(low, high, IM_COL32(26, 27, 29, 255));
   const std::shared_ptr<Shown>& shown = state.session.shown();
   if (!shown || !frame) return drawCooking(state, low, high);
+  if (sized_.lock() != shown) {
+    const float before = std::exchange(size_, diagonalOf(shown->view()));
+    if (size_ > kOtherUnits * before || kOtherUnits * size_ < before) state.framed = false;
+    sized_ = shown;
+  }
   if (!state.framed) {
     const preview::Facing facing = preview::facing(shown->view().positions, shown->view().indices);
     state.camera.yaw = facing.yaw;

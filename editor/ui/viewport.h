@@ -84,6 +84,8 @@ class Viewport {
   struct Pen penOf(const State& state, ImVec2 low, ImVec2 size, bool hovered);
 
   Pane panes_[2];
+  std::weak_ptr<Shown> sized_;  // what has that size
+  float size_ = 0.0f;
   bool pen_down_ = false;  // that the keyboard moves, in the last frame
   float aspect_ = 1.0f;
   std::unique_ptr<class PaintTool> paint_;

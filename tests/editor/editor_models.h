@@ -46,11 +46,12 @@ inline std::string editorSheet() {
       R"("attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
 }
 
-// With nothing that moves it.
-inline std::string editorStill() {
+// With nothing that moves it, of another size.
+inline std::string editorStill(double scale = 1.0) {
+  const std::string s = std::to_string(scale);
   return editorSheetBuilder().glb(
-      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
-      R"({"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1}]}])");
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[)" + s + "," + s + "," + s +
+      R"(]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1}]}])");
 }
 
 // Without any name, of mesh, material, clip or morph target.

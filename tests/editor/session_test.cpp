@@ -9,10 +9,13 @@
 #include <cmath>
 #include <thread>
 
+#include "editor/preview/headless_context.h"
 #include "editor/session/paint.h"
 #include "editor/session/samples.h"
 #include "editor/session/settings.h"
+#include "editor/ui/headless_screen.h"
 #include "editor/ui/input_queue.h"
+#include "editor/ui/script.h"
 #include "editor/ui/uv_view.h"
 #include "editor/ui/viewport.h"
 #include "furrow/jobs.h"
@@ -702,6 +705,30 @@ TEST(CameraTest, ZoomsOnCharactersOfEverySize) {
     EXPECT_GT(camera.distance, 0.0f);
     EXPECT_LT(camera.distance, 0.01f * size);
   }
+}
+
+TEST_F(SessionTest, AMeshThatComesBackInOtherUnitsIsFramedAnew) {
+  std::optional<preview::HeadlessContext> context;
+  try {
+    context.emplace();
+  } catch (const pipeline::Error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  ui::HeadlessScreen headless(640, 480, 1.0f);
+  Session session;
+  Settings settings;
+  ui::Editor editor(session, settings);
+  const ui::Screen screen = headless.screen();
+  const auto play = [&](const std::string& script) {
+    ui::runScript(script, "script", editor, screen, folder());
+    return editor.state().camera.distance;
+  };
+  const fs::path file = write("still.glb", editorStill());
+  const float metres = play("open " + file.string() + "\nwait\nkey =\n");
+  write("still.glb", editorStill(1.5));
+  EXPECT_EQ(play("frames 90\nwait\n"), metres);  // as the artist had it
+  write("still.glb", editorStill(100.0));
+  EXPECT_GT(play("frames 90\nwait\n"), 50.0f * metres);
 }
 
 TEST_F(SessionTest, ClipsAndMorphTargetsWithoutNamesGoByTheirNumber) {
