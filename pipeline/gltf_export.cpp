@@ -259,8 +259,10 @@ class Exporter {
 
   // ---- Maps ----
 
+  static constexpr Wrap kTiles[2] = {Wrap::kRepeat, Wrap::kRepeat};
+
   // The texture that shows an image.
-  int addImage(const std::string& name, const ByteImage& pixels) {
+  int addImage(const std::string& name, const ByteImage& pixels, const Wrap (&wrap)[2] = kTiles) {
     tinygltf::Image image;
     image.name = name;
     image.mimeType = "image/png";
@@ -269,6 +271,15 @@ class Exporter {
     tinygltf::Texture texture;
     texture.name = name;
     texture.source = number(model_.images.size() - 1);
+    if (!std::ranges::equal(wrap, kTiles)) {
+      constexpr int kWays[] = {TINYGLTF_TEXTURE_WRAP_REPEAT, TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE,
+                               TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT};
+      tinygltf::Sampler sampler;
+      sampler.wrapS = kWays[static_cast<size_t>(wrap[0])];
+      sampler.wrapT = kWays[static_cast<size_t>(wrap[1])];
+      texture.sampler = number(model_.samplers.size());
+      model_.samplers.push_back(std::move(sampler));
+    }
     model_.textures.push_back(std::move(texture));
     return number(model_.textures.size() - 1);
   }
@@ -326,10 +337,10 @@ class Exporter {
           image.pixels.insert(image.pixels.end(), {texel.x, texel.y, texel.z});
           if (opacity) image.pixels.push_back(texel.w);
         }
-      own.color = addImage(prefix + " color", toBytes(image));
+      own.color = addImage(prefix + " color", toBytes(image), maps.color_wrap);
     }
     if (maps.normal.slices > 0)
-      own.normal = addImage(prefix + " normal", normalPixels(decode(maps.normal, 0)));
+      own.normal = addImage(prefix + " normal", normalPixels(decode(maps.normal, 0)), maps.normal_wrap);
   }
 
   // KHR_texture_transform: scaled, turned, moved; columns of the matrix as in BaseMaps.
@@ -357,7 +368,7 @@ class Exporter {
       material.normalTexture.index = own.normal;
       material.normalTexture.extensions = transform(maps.normal_uv);
     }
-    if (maps.opaque_from > 0.0f) {
+    if (maps.opaque_from > 0.0f && material.alphaMode != "BLEND") {
       material.alphaMode = "MASK";
       material.alphaCutoff = double{maps.opaque_from};
     }
@@ -374,6 +385,7 @@ class Exporter {
                                                        part.base_color.z, part.base_color.w};
       material.pbrMetallicRoughness.metallicFactor = 0.0;
       material.pbrMetallicRoughness.roughnessFactor = part.roughness;
+      if (part.base_color.w < 1.0f) material.alphaMode = "BLEND";
       showOwnImages(part, material);
       if (part.texture_set != kAbsent) material.extras = set_extras_[part.texture_set];
       model_.materials.push_back(std::move(material));

@@ -72,6 +72,7 @@ nlohmann::json describe(const OpenedAsset& opened) {
   for (const pipeline::Clip& clip : opened.rig.clips)
     clips.push_back({{"name", clip.name}, {"seconds", clip.duration}});
   for (const Morph& morph : a.morphs) morphs.push_back(morph.name);
+  const pipeline::SectionBytes& s = opened.sections;
   uint64_t per_asset = texture_bytes, per_instance = 0;
   const FramePlan plan(a, {});
   for (uint32_t b = 0; b < static_cast<uint32_t>(Buffer::kCount); ++b)
@@ -90,12 +91,15 @@ nlohmann::json describe(const OpenedAsset& opened) {
           {"positionError", a.position_error},
           {"morphError", a.morph_error},
           {"sections",
-           {{"textures", opened.texture_bytes.maps},
-            {"previewMaps", opened.texture_bytes.own},
-            {"placeHash", a.place_hash.size()},
-            {"rig", a.rig.size()},
-            {"geometryAndLayers", opened.bytes - opened.texture_bytes.maps - opened.texture_bytes.own -
-                                      a.place_hash.size() - a.rig.size()}}},
+           {{"geometry", s.geometry},
+            {"morphTargets", s.morphs},
+            {"layers", s.layers},
+            {"textures", s.maps},
+            {"previewMaps", s.own_maps},
+            {"placeHash", s.place_hash},
+            {"rig", s.rig},
+            {"rest",
+             opened.bytes - s.geometry - s.morphs - s.layers - s.maps - s.own_maps - s.place_hash - s.rig}}},
           {"gpuBytesPerAsset", per_asset},
           {"gpuBytesPerInstance", per_instance},
           {"layers", layers},

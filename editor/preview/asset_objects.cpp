@@ -32,6 +32,14 @@ std::vector<uint8_t> decoded(const Texture& texture, uint32_t level) {
   return bytes;
 }
 
+void setWrap(uint32_t texture, const Wrap (&wrap)[2]) {
+  constexpr GLint kWays[] = {GL_REPEAT, GL_CLAMP_TO_EDGE, GL_MIRRORED_REPEAT};
+  if (texture == 0) return;
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, kWays[static_cast<size_t>(wrap[0])]);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, kWays[static_cast<size_t>(wrap[1])]);
+}
+
 }  // namespace
 
 GlObject makeTexture(const Texture& texture) {
@@ -66,8 +74,6 @@ GlObject makeTexture(const Texture& texture) {
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(texture.levels) - 1);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_REPEAT);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_REPEAT);
   // It more than doubles the time of a picture there.
   if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") && !isSoftwareGl())
     glTexParameterf(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
@@ -77,8 +83,11 @@ GlObject makeTexture(const Texture& texture) {
 AssetObjects::AssetObjects(const AssetView& asset, AssetObjects* before) : asset_(asset) {
   for (const TextureSet& set : asset.texture_sets)
     texture_sets.push_back({map(set.normals, before), map(set.shading, before), map(set.masks, before)});
-  for (const BaseMaps& own : asset.base_maps)
+  for (const BaseMaps& own : asset.base_maps) {
     base_maps.push_back({map(own.color, before), map(own.normal, before)});
+    setWrap(base_maps.back().color, own.color_wrap);
+    setWrap(base_maps.back().normal, own.normal_wrap);
+  }
   indices = makeBuffer(std::as_bytes(asset.indices));
   uvs = makeBuffer(std::as_bytes(asset.uvs));
   colors = makeBuffer(std::as_bytes(asset.colors));

@@ -45,7 +45,7 @@ LoadedAsset withRig(const std::filesystem::path& file, std::span<const std::byte
   loaded.file = file;
   loaded.bytes = bytes.size();
   loaded.asset = std::move(asset);
-  loaded.texture_bytes = pipeline::textureBytes(bytes);
+  loaded.sections = pipeline::sectionBytes(bytes);
   try {
     loaded.rig = pipeline::readRig(loaded.asset.view());
   } catch (const std::exception& error) {

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "furrow/asset.h"
-#include "pipeline/pack/texture_bytes.h"
+#include "pipeline/pack/section_bytes.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::preview {
@@ -15,7 +15,7 @@ namespace furrow::preview {
 struct LoadedAsset {
   std::filesystem::path file;  // it, or the source that it was cooked from in memory
   size_t bytes = 0;
-  pipeline::TextureBytes texture_bytes;  // of `bytes`
+  pipeline::SectionBytes sections;  // of `bytes`
   Asset asset;
   pipeline::Rig rig;
 };

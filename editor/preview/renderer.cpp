@@ -15,6 +15,7 @@
 #include "editor/preview/programs.h"
 #include "editor/preview/scene_setup.h"
 #include "editor/preview/view_values.h"
+#include "furrow/raster.h"
 
 namespace furrow::preview {
 namespace {
@@ -220,8 +221,13 @@ void Renderer::State::drawShadow(const RenderOptions& options) {
   };
   for (size_t p = 0; p < asset.parts.size(); ++p) {
     const Part& part = asset.parts[p];
+    if (samplesSeen(part.base_color.w, 1) == 0) {
+      draw_to(part.triangle_begin, false);
+      drawn = part.triangle_end;
+    }
     const uint32_t color = part.base_maps == kAbsent ? 0 : objects->base_maps[part.base_maps].color;
-    if (color == 0 || asset.base_maps[part.base_maps].opaque_from == 0.0f) continue;
+    if (drawn == part.triangle_end || color == 0 || asset.base_maps[part.base_maps].opaque_from == 0.0f)
+      continue;
     draw_to(part.triangle_begin, false);
     bindTexture(kBaseColorMap, GL_TEXTURE_2D_ARRAY, color);
     bindMaterial(p);
@@ -234,6 +240,9 @@ void Renderer::State::drawShadow(const RenderOptions& options) {
 
 void Renderer::State::drawParts(const RenderOptions& options) {
   bindTexture(kShadowMap, GL_TEXTURE_2D, shadow_map);
+  glEnable(GL_SAMPLE_MASK);
+  GLint samples = 0;
+  glGetIntegerv(GL_SAMPLES, &samples);
   for (size_t p = 0; p < asset.parts.size(); ++p) {
     const Part& part = asset.parts[p];
     AssetObjects::TextureSetNames set{};
@@ -250,8 +259,12 @@ void Renderer::State::drawParts(const RenderOptions& options) {
     bindMap(kShadingMaps, set.shading);
     bindMap(kMaskMaps, set.masks);
     bindMaterial(p);
+    const uint32_t seen = samplesSeen(part.base_color.w, static_cast<uint32_t>(std::max(samples, 1)));
+    if (seen == 0) continue;
+    glSampleMaski(0, (1u << seen) - 1u);
     drawTriangles(part.triangle_begin, part.triangle_end);
   }
+  glDisable(GL_SAMPLE_MASK);
   glActiveTexture(GL_TEXTURE0);
 }
 

@@ -29,7 +29,7 @@ glm::vec3 paintedColor(const AssetView& asset, const Part& part, uint32_t v) {
   const auto texel = [&](uint32_t axis, uint32_t size) {
     const float* m = maps.color_uv + axis;
     const float at = m[0] * asset.uvs[v].x + m[2] * asset.uvs[v].y + m[4];
-    const float within = (at - std::floor(at)) * static_cast<float>(std::max(size >> level, 1u));
+    const float within = wrapped(maps.color_wrap[axis], at) * static_cast<float>(std::max(size >> level, 1u));
     return std::min(static_cast<uint32_t>(std::max(0.0f, within)), std::max(size >> level, 1u) - 1);
   };
   const Float4 c = texelAt(maps.color, level, 0, texel(0, maps.color.width), texel(1, maps.color.height));
@@ -129,7 +129,7 @@ glm::vec4 shownColor(const AssetView& asset, const Part& part) {
                        asset.colors.begin() + 4 * part.vertex_end, [](uint8_t c) { return c != 255; });
   };
   const bool painted = part.base_maps != kAbsent && asset.base_maps[part.base_maps].color.slices > 0;
-  if (!painted && base.x >= kWhite && base.y >= kWhite && base.z >= kWhite &&
+  if (!painted && base.w >= 1.0f && base.x >= kWhite && base.y >= kWhite && base.z >= kWhite &&
       (asset.colors.empty() || !colored()))
     return {0.40f, 0.255f, 0.19f, 1.0f};
   return {base.x, base.y, base.z, base.w};

@@ -119,9 +119,7 @@ class MapBake {
       set.parts.push_back(p);
       if (material < in_.scene.materials.size()) set.name = in_.scene.materials[material].name;
     }
-    std::erase_if(by_material, [&](const auto& entry) {
-      return std::ranges::none_of(layers_, [&](const auto& layer) { return reaches(layer, entry.second); });
-    });
+    std::erase_if(by_material, [&](const auto& entry) { return drawnIn(entry.second).empty(); });
     if (by_material.empty()) return {};
     peaks_ = pointPeaks(in_.surface, in_.squeeze);
     compress_.resize(layers_.size());
@@ -217,6 +215,18 @@ class MapBake {
         if (layer.covered[t] && (shows(p.x) || shows(p.y) || shows(p.z))) return true;
       }
     return false;
+  }
+
+  // The layers with a map that show on the set.
+  std::vector<size_t> drawnIn(const BakedTextureSet& set) const {
+    std::vector<size_t> drawn;
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      const LayerRecipe& recipe = recipe_.layers[l];
+      const bool has_map = !std::holds_alternative<MapNone>(recipe.compress) ||
+                           !std::holds_alternative<MapNone>(recipe.stretch);
+      if (has_map && reaches(layers_[l], set)) drawn.push_back(l);
+    }
+    return drawn;
   }
 
   struct UvSize {
@@ -379,13 +389,7 @@ class MapBake {
   void bakeSet(BakedTextureSet& set) {
     set.compress_slice.assign(layers_.size(), kAbsent);
     set.stretch_slice.assign(layers_.size(), kAbsent);
-    std::vector<size_t> drawn;
-    for (size_t l = 0; l < layers_.size(); ++l) {
-      const bool has_map = !std::holds_alternative<MapNone>(recipe_.layers[l].compress) ||
-                           !std::holds_alternative<MapNone>(recipe_.layers[l].stretch);
-      if (has_map && reaches(layers_[l], set)) drawn.push_back(l);
-    }
-    if (drawn.empty()) return;
+    const std::vector<size_t> drawn = drawnIn(set);
     const Masks masks = drawMasks(set);
     const double length_of_uv = sizeOfUvs(set).length;
     std::vector<Pose> poses;

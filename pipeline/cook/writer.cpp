@@ -155,7 +155,11 @@ class Writer {
     for (const BakedBaseMaps& maps : in_.base_maps) {
       const auto color = writeTexture(maps.color), normal = writeTexture(maps.normal);
       const auto color_uv = uv(maps.source.color), normal_uv = uv(maps.source.normal);
-      out.push_back(format::CreateBaseMaps(b_, color, color_uv, maps.source.opaque_from, normal, normal_uv));
+      const auto wrap = [](Wrap way) { return static_cast<format::Wrap>(way); };
+      const auto &of_color = maps.source.color.wrap, &of_normal = maps.source.normal.wrap;
+      out.push_back(format::CreateBaseMaps(b_, color, color_uv, maps.source.opaque_from, normal, normal_uv,
+                                           wrap(of_color[0]), wrap(of_color[1]), wrap(of_normal[0]),
+                                           wrap(of_normal[1])));
     }
     return out.empty() ? 0 : b_.CreateVector(out);
   }

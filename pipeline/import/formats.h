@@ -15,7 +15,8 @@
 
 namespace furrow::pipeline {
 
-inline constexpr float kBlendCutoff = 0.35f;  // of blended materials, which are drawn as cut out
+// Of the colour maps of blended materials: what is less opaque there is cut out.
+inline constexpr float kBlendCutoff = 0.35f;
 
 enum class MeshFormat { kObj, kPly, kStlText, kStlBinary, kOff };
 
@@ -36,8 +37,9 @@ struct Polygons {
 Polygons importPolygons(const std::filesystem::path& file);  // as import(), which tells the format
 Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes);
 
-// The material files of an OBJ file and their images, as far as they are there.
-std::vector<std::filesystem::path> objFiles(const std::filesystem::path& file, std::vector<uint8_t> bytes);
+// The material files and images of a mesh file, as far as they are there.
+std::vector<std::filesystem::path> meshFiles(const std::filesystem::path& file, MeshFormat format,
+                                             std::vector<uint8_t> bytes);
 
 SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format, std::vector<uint8_t> bytes);
 

@@ -169,16 +169,30 @@ class GltfImporter {
     for (const tinygltf::Material& in : model_.materials) {
       Material material;
       material.name = in.name;
-      const std::vector<double>& color = in.pbrMetallicRoughness.baseColorFactor;
+      // Older exporters (Sketchfab's above all) give colours that way alone.
+      const auto glossy = in.extensions.find("KHR_materials_pbrSpecularGlossiness");
+      std::vector<double> color = in.pbrMetallicRoughness.baseColorFactor;
+      if (glossy != in.extensions.end()) color = numbersOf(glossy->second.Get("diffuseFactor"));
       for (size_t c = 0; c < std::min<size_t>(color.size(), 4); ++c)
         material.base_color[static_cast<int>(c)] = static_cast<float>(std::clamp(color[c], 0.0, 1.0));
       const double roughness = in.pbrMetallicRoughness.roughnessFactor;  // 1 where the file says nothing
       if (roughness >= 0.0 && roughness < 1.0) material.roughness = static_cast<float>(roughness);
       MaterialMaps& maps = material.maps;
-      if (in.alphaMode == "MASK")
-        maps.opaque_from = std::clamp(static_cast<float>(in.alphaCutoff), 0.0f, 1.0f);
-      if (in.alphaMode == "BLEND") maps.opaque_from = kBlendCutoff;
-      maps.color = readMap(in.pbrMetallicRoughness.baseColorTexture, in, "base colour");
+      const float opacity = std::exchange(material.base_color.a, 1.0f);
+      if (in.alphaMode == "BLEND") {
+        material.base_color.a = opacity;
+        maps.opaque_from = kBlendCutoff * opacity;
+      } else if (in.alphaMode == "MASK") {
+        const float cutoff = std::clamp(static_cast<float>(in.alphaCutoff), 0.0f, 1.0f);
+        if (opacity < cutoff)
+          material.base_color.a = 0.0f;
+        else if (cutoff > 0.0f)
+          maps.opaque_from = cutoff / opacity;
+      }
+      if (glossy != in.extensions.end())
+        maps.color = readMap(textureInfo(glossy->second.Get("diffuseTexture")), in, "base colour");
+      else
+        maps.color = readMap(in.pbrMetallicRoughness.baseColorTexture, in, "base colour");
       maps.normal = readMap(in.normalTexture, in, "normal");
       if (std::abs(in.normalTexture.scale) <= double{std::numeric_limits<float>::max()})
         maps.normal_scale = static_cast<float>(in.normalTexture.scale);
@@ -200,11 +214,30 @@ class GltfImporter {
       const auto [entry, added] = images_.try_emplace(number, static_cast<uint32_t>(scene_.images.size()));
       if (added) scene_.images.push_back(document_.image(number));
       map.image = entry->second;
+      map.wrap = document_.wrapOfTexture(info.index);
     } catch (const std::runtime_error& e) {
       warn(named("material", static_cast<size_t>(&material - model_.materials.data()), material.name) +
            ": its " + use + " texture is left out: " + e.what());
     }
     return map;
+  }
+
+  static std::vector<double> numbersOf(const tinygltf::Value& list) {
+    std::vector<double> numbers;
+    for (size_t i = 0; list.IsArray() && i < list.ArrayLen(); ++i)
+      numbers.push_back(
+          list.Get(static_cast<int>(i)).IsNumber() ? list.Get(static_cast<int>(i)).GetNumberAsDouble() : 1.0);
+    return numbers;
+  }
+
+  static tinygltf::TextureInfo textureInfo(const tinygltf::Value& value) {
+    tinygltf::TextureInfo info;
+    if (const tinygltf::Value& index = value.Get("index"); index.IsInt()) info.index = index.Get<int>();
+    if (const tinygltf::Value& set = value.Get("texCoord"); set.IsInt()) info.texCoord = set.Get<int>();
+    if (const tinygltf::Value& transform = value.Get("extensions").Get("KHR_texture_transform");
+        transform.IsObject())
+      info.extensions.emplace("KHR_texture_transform", transform);
+    return info;
   }
 
   // KHR_texture_transform: scaled, turned, moved.

@@ -174,6 +174,21 @@ void checkPrimitives(json& root) {
   }
 }
 
+// Animation channels that name no node, which tinygltf leaves out without a word.
+size_t pointersIn(const json& root) {
+  size_t count = 0;
+  const auto each = [](const json* list, const auto& visit) {
+    if (list && list->is_array()) std::for_each(list->begin(), list->end(), visit);
+  };
+  each(find(root, "animations"), [&](const json& animation) {
+    each(find(animation, "channels"), [&](const json& channel) {
+      const json* target = find(channel, "target");
+      count += target && target->is_object() && !target->contains("node");
+    });
+  });
+  return count;
+}
+
 // Everything that furrow does not need of a file is dropped before it can do harm.
 void dropUnused(json& root) {
   for (const char* key : {"buffers", "images", "textures", "samplers", "cameras", "extensions", "extras"})
@@ -422,6 +437,10 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, std::vector<uint8_
   }
 
   readImages(root);
+  if (const size_t count = pointersIn(root))
+    warnings_.push_back(std::to_string(count) +
+                        " animation channels are left out: they move something other than a node "
+                        "(KHR_animation_pointer), which furrow does not read");
   dropUnused(root);
   checkWholeNumbers(root, "");
   const std::string text = root.dump();
@@ -486,16 +505,27 @@ void GltfDocument::readImages(const json& root) {
   const json* textures = find(root, "textures");
   for (size_t t = 0; textures && textures->is_array() && t < textures->size(); ++t) {
     const json* number = imageOf((*textures)[t]);
-    texture_images_.push_back(element(root, "images", number) ? number->get<int>() : -1);
+    Texture& texture = textures_.emplace_back();
+    if (element(root, "images", number)) texture.image = number->get<int>();
+    const json* sampler = element(root, "samplers", find((*textures)[t], "sampler"));
+    for (const auto& [key, wrap] : {std::pair("wrapS", &texture.wrap[0]), {"wrapT", &texture.wrap[1]}}) {
+      const json* way = sampler ? find(*sampler, key) : nullptr;
+      if (way && *way == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) *wrap = Wrap::kClamp;
+      if (way && *way == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) *wrap = Wrap::kMirror;
+    }
   }
 }
 
 int GltfDocument::imageOfTexture(int texture) const {
-  if (texture < 0 || static_cast<size_t>(texture) >= texture_images_.size())
+  if (texture < 0 || static_cast<size_t>(texture) >= textures_.size())
     fail("there is no texture " + std::to_string(texture));
-  const int number = texture_images_[static_cast<size_t>(texture)];
+  const int number = textures_[static_cast<size_t>(texture)].image;
   if (number < 0) fail("it has no PNG, JPEG or WebP image");
   return number;
+}
+
+std::array<Wrap, 2> GltfDocument::wrapOfTexture(int texture) const {
+  return textures_.at(static_cast<size_t>(texture)).wrap;
 }
 
 SourceImage GltfDocument::image(int number) {

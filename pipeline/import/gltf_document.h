@@ -10,6 +10,7 @@
 #define TINYGLTF_NO_EXTERNAL_IMAGE
 #include <tiny_gltf.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/asset.h"
 #include "pipeline/import/gltf_codecs.h"
 
 namespace furrow::pipeline {
@@ -64,6 +66,7 @@ class GltfDocument {
 
   // The number of the image that a texture shows as PNG, JPEG or WebP; throws if there is none.
   int imageOfTexture(int texture) const;
+  std::array<Wrap, 2> wrapOfTexture(int texture) const;
   // The image, as encoded.
   SourceImage image(int number);
   std::vector<std::string> imageNames() const;
@@ -89,7 +92,11 @@ class GltfDocument {
   std::vector<uint8_t> bytes_;
   std::vector<Buffer> buffers_;
   std::vector<Image> images_;
-  std::vector<int> texture_images_;  // numbers; -1: none that is read
+  struct Texture {
+    int image = -1;  // number; -1: none that is read
+    std::array<Wrap, 2> wrap{};
+  };
+  std::vector<Texture> textures_;
   size_t total_bytes_ = 0;
   size_t numbers_ = 0;  // in all accessors that were asked for
   tinygltf::Model model_;

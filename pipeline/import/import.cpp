@@ -129,7 +129,7 @@ std::vector<std::filesystem::path> importedFiles(const std::filesystem::path& fi
     const std::optional<MeshFormat> format = tellFormat(file, bytes);
     std::vector<std::filesystem::path> files;
     if (!format) files = gltfFiles(file, bytes);
-    if (format == MeshFormat::kObj) files = objFiles(file, std::move(bytes));
+    if (format) files = meshFiles(file, *format, std::move(bytes));
     files.insert(files.begin(), file);
     return files;
   });

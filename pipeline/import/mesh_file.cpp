@@ -39,11 +39,12 @@ struct MaterialChange {
   std::string name;
 };
 
-// What OpenMesh's reader is not asked of an OBJ file.
-struct ObjNotes {
+// What OpenMesh's readers are not asked.
+struct Notes {
   std::vector<MaterialChange> changes;
-  std::vector<std::string> libraries;  // what stands behind every "mtllib"
-  size_t vertices = 0;                 // that the file means to have
+  std::vector<std::string> libraries;  // what stands behind every "mtllib" of an OBJ file
+  std::vector<std::string> textures;   // image files that a PLY file names
+  size_t vertices = 0;                 // that an OBJ file means to have
 };
 
 // Takes down what OpenMesh's readers find, corner by corner, without building a half-edge mesh, so that
@@ -65,8 +66,8 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   };
 
   // `corner_uvs`: u and v of the corners of all faces, or empty.
-  Recorder(std::streambuf& stream, ObjNotes obj, std::span<const float> corner_uvs)
-      : has_uvs(!corner_uvs.empty()), stream_(stream), obj_(std::move(obj)), corner_uvs_(corner_uvs) {}
+  Recorder(std::streambuf& stream, Notes notes, std::span<const float> corner_uvs)
+      : has_uvs(!corner_uvs.empty()), stream_(stream), notes_(std::move(notes)), corner_uvs_(corner_uvs) {}
 
   std::vector<glm::vec3> positions;
   std::vector<glm::vec4> colors;  // as long as positions if has_colors
@@ -77,7 +78,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   bool has_uvs = false, has_normals = false, has_colors = false;
   size_t faces_without_area = 0;
 
-  const ObjNotes& obj() const { return obj_; }
+  const Notes& notes() const { return notes_; }
   uint32_t firstCorner(uint32_t place) const { return places_[place].first; }
 
   VertexHandle add_vertex(const OpenMesh::Vec3f& p) override {
@@ -109,8 +110,8 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   }
 
   FaceHandle add_face(const VHandles& vertices) override {
-    if (positions.size() < obj_.vertices)
-      fail(std::to_string(obj_.vertices - positions.size()) + " vertices are not three numbers");
+    if (positions.size() < notes_.vertices)
+      fail(std::to_string(notes_.vertices - positions.size()) + " vertices are not three numbers");
     const std::span<const float> uvs = corner_uvs_.first(std::min(2 * vertices.size(), corner_uvs_.size()));
     corner_uvs_ = corner_uvs_.subspan(uvs.size());
     if (vertices.size() < 3) {
@@ -124,7 +125,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
     polygon_ends.push_back(static_cast<uint32_t>(polygon_corners.size()));
     // The stream stands behind the line that holds the face.
     const std::streamoff at = stream_.pubseekoff(0, std::ios::cur, std::ios::in);
-    while (change_ < obj_.changes.size() && obj_.changes[change_].offset < at) ++change_;
+    while (change_ < notes_.changes.size() && notes_.changes[change_].offset < at) ++change_;
     polygon_materials.push_back(static_cast<uint32_t>(change_));
     return FaceHandle(static_cast<int>(polygon_ends.size() - 1));
   }
@@ -196,7 +197,7 @@ class Recorder final : public OpenMesh::IO::BaseImporter {
   }
 
   std::streambuf& stream_;
-  ObjNotes obj_;
+  Notes notes_;
   std::span<const float> corner_uvs_;  // of the faces to come
   std::vector<Place> places_;
   size_t change_ = 0;
@@ -234,7 +235,7 @@ std::string_view trimmed(std::string_view text) {
 
 // Takes its notes of an OBJ file, and changes what OpenMesh's reader cannot bear: continued lines, UVs of one
 // number, corners without a vertex, material files (it would look for them in the working directory).
-ObjNotes prepareObj(std::vector<uint8_t>& bytes) {
+Notes prepareObj(std::vector<uint8_t>& bytes) {
   for (size_t i = 0; i + 1 < bytes.size(); ++i) {
     if (bytes[i] != '\\') continue;
     const size_t line_feed = bytes[i + 1] == '\r' ? i + 2 : i + 1;
@@ -249,7 +250,7 @@ ObjNotes prepareObj(std::vector<uint8_t>& bytes) {
   char* text = reinterpret_cast<char*>(bytes.data());
   constexpr std::string_view kZero = " 0";
   std::vector<size_t> lone;  // where a UV's v is missing
-  ObjNotes notes;
+  Notes notes;
   for (size_t begin = 0; begin < bytes.size();) {
     const void* found = std::memchr(text + begin, '\n', bytes.size() - begin);
     const size_t end = found ? static_cast<size_t>(static_cast<const char*>(found) - text) : bytes.size();
@@ -521,19 +522,32 @@ Primitive makePrimitive(const Recorder& mesh, const std::vector<uint32_t>& wante
   return out;
 }
 
+// Puts the image that a PLY file names onto what has no material.
+void showTextures(const std::filesystem::path& file, const std::vector<std::string>& names,
+                  ObjMaterials& obj) {
+  if (names.size() == 1) {
+    obj.materials[""].maps.color.image = 0;
+    obj.images.push_back({names[0], findFile(names[0], {file.parent_path()}), {}});
+  } else if (!names.empty()) {
+    obj.warnings.push_back("its colours are in " + std::to_string(names.size()) + " textures, \"" + names[0] +
+                           "\" and others, of which furrow shows none: export it as OBJ or glTF");
+  }
+}
+
 Recorder record(MeshFormat format, std::vector<uint8_t>& bytes) {
-  ObjNotes obj;
-  if (format == MeshFormat::kObj) obj = prepareObj(bytes);
+  Notes notes;
+  if (format == MeshFormat::kObj) notes = prepareObj(bytes);
   std::vector<float> corner_uvs;
   if (format == MeshFormat::kPly) {
     SimplePly ply = simplePly(bytes);
     bytes = std::move(ply.bytes);
     corner_uvs = std::move(ply.corner_uvs);
+    notes.textures = std::move(ply.textures);
   }
   if (format == MeshFormat::kOff) prepareOff(bytes);
   if (format == MeshFormat::kStlText) checkStl(bytes);
   MemoryBuffer buffer(bytes);
-  Recorder mesh(buffer, std::move(obj), corner_uvs);
+  Recorder mesh(buffer, std::move(notes), corner_uvs);
   parse(format, buffer, mesh);
   if (mesh.polygon_ends.empty()) fail("it has no faces");
   return mesh;
@@ -551,8 +565,11 @@ Polygons polygonsOf(MeshFormat format, std::vector<uint8_t> bytes) {
   return out;
 }
 
-std::vector<std::filesystem::path> objFiles(const std::filesystem::path& file, std::vector<uint8_t> bytes) {
-  ObjMaterials obj = readObjMaterials(file, prepareObj(bytes).libraries);
+std::vector<std::filesystem::path> meshFiles(const std::filesystem::path& file, MeshFormat format,
+                                             std::vector<uint8_t> bytes) {
+  ObjMaterials obj;
+  if (format == MeshFormat::kObj) obj = readObjMaterials(file, prepareObj(bytes).libraries);
+  if (format == MeshFormat::kPly) showTextures(file, plyTextures(bytes), obj);
   for (SourceImage& image : obj.images)
     if (std::filesystem::is_regular_file(image.file)) obj.files.push_back(std::move(image.file));
   return obj.files;
@@ -563,19 +580,20 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
 
   SourceScene scene;
   scene.dependencies.push_back(file);
-  ObjMaterials obj = readObjMaterials(file, mesh.obj().libraries);
+  ObjMaterials obj = readObjMaterials(file, mesh.notes().libraries);
+  showTextures(file, mesh.notes().textures, obj);
   scene.images = std::move(obj.images);
   scene.warnings = std::move(obj.warnings);
   scene.dependencies.insert(scene.dependencies.end(), obj.files.begin(), obj.files.end());
   // Materials by name, in the order in which faces use them; primitive m shows material m, or there is one of
   // no material.
   std::map<std::string, uint32_t> known;
-  std::vector<uint32_t> material_of(mesh.obj().changes.size() + 1, kNoIndex);
+  std::vector<uint32_t> material_of(mesh.notes().changes.size() + 1, kNoIndex);
   std::vector<std::vector<uint32_t>> polygons;  // of every primitive
   for (uint32_t p = 0; p < mesh.polygon_ends.size(); ++p) {
     const uint32_t change = mesh.polygon_materials[p];
     if (material_of[change] == kNoIndex) {
-      const std::string name = change == 0 ? std::string() : mesh.obj().changes[change - 1].name;
+      const std::string name = change == 0 ? std::string() : mesh.notes().changes[change - 1].name;
       const auto [entry, added] = known.try_emplace(name, static_cast<uint32_t>(polygons.size()));
       if (added) {
         polygons.emplace_back();
@@ -624,7 +642,8 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
   const std::string name = file.stem().string();
   scene.rig.nodes.push_back(Node{.name = name});
   scene.rig.palette.push_back({0, glm::dmat4(1.0)});
-  const bool nameless = scene.materials.size() == 1 && scene.materials[0].name.empty();
+  const bool nameless =
+      scene.materials.size() == 1 && scene.materials[0].name.empty() && scene.images.empty();
   for (uint32_t m = 0; m < polygons.size(); ++m) {
     Part part;
     part.mesh = name;

@@ -52,19 +52,6 @@ std::optional<float> number(std::string_view& text) {
   return value;
 }
 
-// The file of that name in one of the folders: where the name leads, or right in them. What is nowhere is in
-// the first.
-std::filesystem::path locate(std::string_view name, const std::vector<std::filesystem::path>& folders) {
-  if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-  std::error_code ignored;
-  for (const std::filesystem::path& folder : folders) {
-    const std::filesystem::path led = namedFile(name, folder);
-    for (const std::filesystem::path& file : {led, folder / led.filename()})
-      if (std::filesystem::is_regular_file(file, ignored)) return file;
-  }
-  return namedFile(name, folders.front());
-}
-
 class MtlReader {
  public:
   MtlReader(const std::filesystem::path& file, const std::filesystem::path& model, ObjMaterials& out)
@@ -77,12 +64,15 @@ class MtlReader {
       text.remove_prefix(std::min(line.size() + 1, text.size()));
       const std::string key = lowerCase(word(line));
       if (key == "newmtl") {
+        finish();
         material_ = &(out_.materials[std::string(line)] = Material());
-        opacity_.clear();
+        name_ = line;
+        opacity_ = {};
       } else if (material_ && !line.empty()) {
         readLine(key, line);
       }
     }
+    finish();
   }
 
  private:
@@ -95,21 +85,42 @@ class MtlReader {
       if (const auto value = number(line)) material_->roughness = std::clamp(*value, 0.0f, 1.0f);
     } else if (key == "map_kd") {
       // Many exporters leave a grey or black Kd beside the image.
-      material_->base_color = glm::vec4(1.0f);
+      material_->base_color = glm::vec4(glm::vec3(1.0f), material_->base_color.a);
       maps.color = readMap(line);
+    } else if (key == "d" || key == "tr") {
+      // Exporters disagree about which end of "Tr" is clear; nobody means a material that is not there.
+      const float value = number(line).value_or(1.0f), opacity = key == "d" ? value : 1.0f - value;
+      if (opacity > 0.0f && opacity < 1.0f) material_->base_color.a = opacity;
     } else if (key == "map_d") {
-      readOptions(line);
-      opacity_ = locate(line, folders_);
+      opacity_ = readMap(line);
     } else if (key == "norm" || ((key == "map_bump" || key == "bump") && maps.normal.image == kNoIndex)) {
       maps.normal = readMap(line, &maps.normal_scale);
     }
-    // An opacity of its own image is left out.
-    const bool cut = maps.color.image != kNoIndex && out_.images[maps.color.image].file == opacity_;
-    maps.opaque_from = cut ? kBlendCutoff : 0.0f;
+  }
+
+  // Puts a material's opacity to its colour.
+  void finish() {
+    if (!material_ || opacity_.image == kNoIndex) return;
+    MaterialMaps& maps = material_->maps;
+    if (maps.color.image == kNoIndex) {
+      maps.color = opacity_;
+      maps.color.image = kNoIndex;
+    }
+    if (maps.color.image != opacity_.image) {
+      if (maps.color.uv != opacity_.uv || maps.color.wrap != opacity_.wrap) {
+        out_.warnings.push_back(
+            "material \"" + name_ + "\": its opacity texture " + out_.images[opacity_.image].name +
+            " is left out: it is not placed as its colour is: give both the same options");
+        return;
+      }
+      maps.opacity = opacity_.image;
+    }
+    maps.opaque_from = kBlendCutoff * material_->base_color.a;
   }
 
   struct Options {
     float scale[3] = {1.0f, 1.0f, 1.0f}, offset[3] = {}, bump = 1.0f;
+    bool clamp = false;
   };
 
   // `line` loses them, and keeps a name, which may have spaces.
@@ -133,21 +144,24 @@ class MtlReader {
         numbers(unused);
       } else if (option == "-bm") {
         options.bump = number(line).value_or(1.0f);
+      } else if (option == "-clamp") {
+        options.clamp = lowerCase(word(line)) == "on";
       } else {
-        word(line);  // -blendu, -blendv, -boost, -cc, -clamp, -imfchan, -texres, -type
+        word(line);  // -blendu, -blendv, -boost, -cc, -imfchan, -texres, -type
       }
     }
     return options;
   }
 
   MaterialMap readMap(std::string_view line, float* bump = nullptr) {
-    const auto [scale, offset, strength] = readOptions(line);
+    const auto [scale, offset, strength, clamp] = readOptions(line);
     MaterialMap map;
     if (line.empty()) return map;
     if (bump) *bump = strength;
     // Theirs count v from the bottom of the image, ours from the top.
     map.uv = glm::mat3x2(scale[0], 0.0f, 0.0f, scale[1], offset[0], 1.0f - scale[1] - offset[1]);
-    const std::filesystem::path file = locate(line, folders_);
+    if (clamp) map.wrap.fill(Wrap::kClamp);
+    const std::filesystem::path file = findFile(line, folders_);
     const auto known = std::ranges::find(out_.images, file, &SourceImage::file);
     map.image = static_cast<uint32_t>(known - out_.images.begin());
     if (known == out_.images.end()) out_.images.push_back({file.filename().string(), file, {}});
@@ -157,21 +171,38 @@ class MtlReader {
   std::vector<std::filesystem::path> folders_;
   ObjMaterials& out_;
   Material* material_ = nullptr;
-  std::filesystem::path opacity_;  // image of the material's
+  std::string name_;     // of the material
+  MaterialMap opacity_;  // as map_d has it
 };
 
 }  // namespace
 
+std::filesystem::path findFile(std::string_view name, const std::vector<std::filesystem::path>& folders) {
+  if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+  std::error_code ignored;
+  for (const std::filesystem::path& folder : folders) {
+    const std::filesystem::path led = namedFile(name, folder);
+    for (const std::filesystem::path& file : {led, folder / led.filename()})
+      if (std::filesystem::is_regular_file(file, ignored)) return file;
+  }
+  return namedFile(name, folders.front());
+}
+
+void addMaterials(std::string_view text, const std::filesystem::path& file,
+                  const std::filesystem::path& model, ObjMaterials& out) {
+  MtlReader(file, model, out).read(text);
+}
+
 ObjMaterials readObjMaterials(const std::filesystem::path& model, const std::vector<std::string>& libraries) {
   ObjMaterials out;
-  const auto inFolder = [&](std::string_view name) { return locate(name, {model.parent_path()}); };
+  const auto inFolder = [&](std::string_view name) { return findFile(name, {model.parent_path()}); };
   const auto read = [&](std::string_view name) {
     const std::filesystem::path file = inFolder(name);
     if (std::ranges::find(out.files, file) != out.files.end()) return;
     try {
       const std::vector<uint8_t> bytes = readBytes(file);
       out.files.push_back(file);
-      MtlReader(file, model, out).read({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      addMaterials({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file, model, out);
     } catch (const Error& error) {
       if (error.exit() == Exit::kEnvironment) throw;
       out.warnings.push_back(std::string("its materials are shown without colours: ") + error.what());

@@ -52,9 +52,20 @@ bool isSpace(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && isSpace(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isSpace(text.back())) text.remove_suffix(1);
+  return text;
+}
+
 class Simplifier {
  public:
   explicit Simplifier(std::string_view bytes) : rest_(bytes) {}
+
+  std::vector<std::string> textures() {
+    readHeader();
+    return std::move(textures_);
+  }
 
   SimplePly run() {
     readHeader();
@@ -87,6 +98,7 @@ class Simplifier {
     vertices = {};
     out.bytes.insert(out.bytes.end(), faces_.begin(), faces_.end());
     out.corner_uvs = std::move(corner_uvs_);
+    out.textures = std::move(textures_);
     return out;
   }
 
@@ -171,7 +183,9 @@ class Simplifier {
         property.as_float = property.kept && !property.type->count_name.empty() &&
                             (property.name == "x" || property.name == "y" || property.name == "z");
         elements_.back().properties.push_back(property);
-      } else if (!key.empty() && key != "comment" && key != "obj_info") {
+      } else if (key == "comment") {
+        if (word(words) == "TextureFile") textures_.emplace_back(trimmed(words));
+      } else if (!key.empty() && key != "obj_info") {
         fail("its header has the unknown line \"" + std::string(key.substr(0, 40)) + "\"");
       }
     }
@@ -323,6 +337,7 @@ class Simplifier {
   }
 
   std::string_view rest_, format_;
+  std::vector<std::string> textures_;
   std::vector<Element> elements_;
   size_t needed_ = 0;                 // elements up to the last one that is needed
   const Element* surface_ = nullptr;  // the faces
@@ -337,6 +352,10 @@ class Simplifier {
 
 SimplePly simplePly(const std::vector<uint8_t>& bytes) {
   return Simplifier({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).run();
+}
+
+std::vector<std::string> plyTextures(const std::vector<uint8_t>& bytes) {
+  return Simplifier({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).textures();
 }
 
 }  // namespace furrow::pipeline

@@ -31,7 +31,19 @@ std::string inQuotes(std::string_view text) {
 class Reader {
  public:
   Reader(std::string text, const std::filesystem::path& file) : file_(file), text_(std::move(text)) {
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+      fail("it is UTF-16", "save it as UTF-8");
     if (text_.starts_with("\xef\xbb\xbf")) next_ = 3;
+    if (text_.find('\n') == std::string::npos) std::replace(text_.begin(), text_.end(), '\r', '\n');
+    // Spreadsheets leave empty lines, "sep=;", and what their language has for a comma.
+    std::string_view head;
+    for (size_t end = 0; next_ < text_.size(); next_ = end, ++next_line_) {
+      end = std::min(text_.find('\n', next_), text_.size() - 1) + 1;
+      head = std::string_view(text_).substr(next_, end - next_);
+      if (head.find_first_not_of("\r\n") != head.npos && !head.starts_with("sep=")) break;
+    }
+    for (const char other : {';', '\t'})
+      if (std::ranges::count(head, other) > std::ranges::count(head, separator_)) separator_ = other;
   }
 
   Take read() {
@@ -89,7 +101,7 @@ class Reader {
         row.back() += c;
       } else if (c == '\n') {
         break;
-      } else if (c == ',') {
+      } else if (c == separator_) {
         row.emplace_back();
       } else if (c != '\r') {
         row.back() += c;
@@ -99,9 +111,12 @@ class Reader {
     return true;
   }
 
+  // Its decimal point may be a comma.
   double number(std::string_view text) const {
     const size_t begin = text.find_first_not_of(' '), end = text.find_last_not_of(' ');
-    const std::string_view trimmed = begin == text.npos ? "" : text.substr(begin, end - begin + 1);
+    std::string trimmed(begin == text.npos ? "" : text.substr(begin, end - begin + 1));
+    if (std::ranges::count(trimmed, ',') == 1 && trimmed.find('.') == trimmed.npos)
+      std::ranges::replace(trimmed, ',', '.');
     double value = 0.0;
     const auto [stop, error] = std::from_chars(trimmed.data(), trimmed.data() + trimmed.size(), value);
     if (error != std::errc() || stop != trimmed.data() + trimmed.size() || !(std::abs(value) <= 1e6))
@@ -153,6 +168,7 @@ class Reader {
 
   const std::filesystem::path& file_;
   std::string text_;
+  char separator_ = ',';
   size_t next_ = 0, line_ = 1, next_line_ = 1;
 };
 

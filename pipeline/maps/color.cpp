@@ -121,6 +121,27 @@ double blockError(const ByteImage& image, uint32_t left, uint32_t top, bool opac
 
 }  // namespace
 
+ByteImage withOpacity(const ByteImage& color, const ByteImage& opacity) {
+  const uint32_t n = opacity.channels;
+  bool has_alpha = false;
+  for (size_t i = n - 1; n % 2 == 0 && i < opacity.pixels.size(); i += n)
+    has_alpha |= opacity.pixels[i] != 255;
+  const ByteImage colors = fourChannels(color, false);
+  ByteImage out{std::max(color.width, opacity.width), std::max(color.height, opacity.height), 4, {}};
+  out.pixels.reserve(size_t{4} * out.width * out.height);
+  for (uint32_t y = 0; y < out.height; ++y)
+    for (uint32_t x = 0; x < out.width; ++x) {
+      const glm::vec2 at((static_cast<float>(x) + 0.5f) / static_cast<float>(out.width),
+                         (static_cast<float>(y) + 0.5f) / static_cast<float>(out.height));
+      const auto add = [&](const ByteImage& image, uint32_t channel) {
+        out.pixels.push_back(static_cast<uint8_t>(std::lround(sampleAt(image, at, channel) * 255.0f)));
+      };
+      for (uint32_t c = 0; c < 3; ++c) add(colors, c);
+      add(opacity, has_alpha ? n - 1 : 0);
+    }
+  return out;
+}
+
 EncodedTexture encodeColor(ByteImage image, bool opacity, uint32_t longest, uint32_t threads) {
   image = fourChannels(image, opacity);
   const auto half = [&](const ByteImage& fine) { return halvedColor(fine, threads); };

@@ -6,6 +6,10 @@
 
 namespace furrow::pipeline {
 
+// `color` in four channels, its opacity from another image: from that one's alpha if it says anything, else
+// from its first channel. As large as the larger one.
+ByteImage withOpacity(const ByteImage& color, const ByteImage& opacity);
+
 // Colours, sRGB-encoded, of 1 to 4 channels (one or two: grey, and opacity) to kBc1, or to kBc3 if `opacity`
 // is asked for and not 1 everywhere. Levels are means of light, those of a see-through image weighted by
 // opacity; a side longer than `longest` is halved until it is not. The errors are those of the encoded

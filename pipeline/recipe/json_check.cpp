@@ -128,9 +128,20 @@ class SyntaxCheck : public nlohmann::json_sax<json> {
     what = colon == std::string::npos ? "the number " + token + " is too large" : what.substr(colon + 2);
     std::replace_if(
         what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+    const size_t last = end == 0 ? std::string::npos : text_.find_last_not_of(" \t\r\n", end - 1);
+    std::string remedy = "a " + kind_ + " is JSON, in which comments are allowed";
+    if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF")) {
+      what = "it is UTF-16";
+      remedy = "save it as UTF-8";
+    } else if (what.find("backslash") != std::string::npos) {
+      remedy = "write paths with /";
+    } else if (end < text_.size() && (text_[end] == ']' || text_[end] == '}') && last != std::string::npos &&
+               text_[last] == ',') {
+      what = std::string("nothing follows the comma before ") + text_[end];
+      remedy = "take the comma out";
+    }
     throw Error(Exit::kBadData, file_.string(),
-                "line " + std::to_string(line) + ", column " + std::to_string(column) + ": " + what,
-                "a " + kind_ + " is JSON, in which comments are allowed");
+                "line " + std::to_string(line) + ", column " + std::to_string(column) + ": " + what, remedy);
   }
 
  private:
@@ -314,6 +325,7 @@ class Checker {
 }  // namespace
 
 std::string describe(const JsonShape& shape) {
+  if (!shape.meaning.empty()) return shape.meaning;
   switch (shape.kind) {
     case Kind::kText:
       return "a text that is not empty";
@@ -342,7 +354,10 @@ std::string describe(const JsonShape& shape) {
     }
     case Kind::kObject:
       if (!shape.forms.empty()) return "an object with " + quotedList(shape.forms);
-      return shape.keys.empty() ? "an empty object" : "an object";
+      if (shape.keys.empty()) return "an empty object";
+      for (const JsonKey& key : shape.keys)
+        if (key.required) return "an object with " + inQuotes(key.name);
+      return "an object";
     case Kind::kMap:
       return "an object whose values are each " + describe(shape.inner[0]);
     case Kind::kEither: {

@@ -38,6 +38,7 @@ struct JsonShape {
   bool above_min = false;
   std::vector<JsonShape> inner;
   std::vector<JsonKey> keys;
+  std::string meaning;             // what to give, in words; empty: what the kind says
   std::vector<std::string> forms;  // names of keys of which exactly one must be there; empty: no such rule
 };
 

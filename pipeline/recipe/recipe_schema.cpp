@@ -21,8 +21,10 @@ Shape make(Kind kind, double min, double max) {
   shape.max = max;
   return shape;
 }
-Shape text() {
-  return make(Kind::kText);
+Shape text(const char* meaning) {
+  Shape shape = make(Kind::kText);
+  shape.meaning = meaning;
+  return shape;
 }
 Shape file() {
   return make(Kind::kFile);
@@ -51,6 +53,12 @@ Shape list(Shape item, double min, double max) {
   shape.inner = {std::move(item)};
   return shape;
 }
+// Three numbers.
+Shape vector(const char* meaning) {
+  Shape shape = list(number(-kLength, kLength), 3, 3);
+  shape.meaning = meaning;
+  return shape;
+}
 Shape map(Shape item) {
   Shape shape = make(Kind::kMap);
   shape.inner = {std::move(item)};
@@ -72,27 +80,35 @@ Shape forms(std::vector<std::string> names, std::vector<JsonKey> keys) {
   return shape;
 }
 
+Shape attribute() {
+  return text("the name of a vertex attribute");
+}
+
 Shape describeRest() {
   return either(
       {word({"bind"}),
        forms({"clip", "morphs", "file"},
-             {{"clip", either({text(), integer(0, kMany)}), "Name or number of a clip."},
+             {{"clip", either({text("the name of a clip"), integer(0, kMany)}), "Name or number of a clip."},
               {"time", number(0, kLength), "Seconds into the clip; default 0.", false, "clip"},
               {"morphs", map(number(-100, 100)), "Weights of morph targets by name; the others are 0."},
               {"file", file(), "A mesh of the same vertices in the same order, in the same unit."}})});
 }
 
 Shape describeDirection() {
-  auto curve = list(list(number(-kLength, kLength), 3, 3), 2, kMany);
+  auto curve = list(vector("a point [x, y, z]"), 2, kMany);
+  curve.meaning = "a curve, which is a list of two or more points [x, y, z]";
   auto guides = either(
-      {list(curve, 1, kMany),
-       object({{"lines", text(), "Name of a mesh or node of the glTF file that holds lines.", true}})});
+      {list(curve, 1, kMany), object({{"lines",
+                                       text("the name of a mesh or node of the glTF file that holds lines; "
+                                            "curves given as points stand in "
+                                            "\"guides\" itself, [[[x, y, z], ...], ...]"),
+                                       "Name of a mesh or node of the glTF file that holds lines.", true}})});
   return either(
       {word({"animation", "map"}),
        forms({"axis", "attribute", "texture", "guides", "animation"},
-             {{"axis", list(number(-kLength, kLength), 3, 3),
+             {{"axis", vector("a direction [x, y, z]"),
                "Direction across the creases, in the scene root's space; any length but 0."},
-              {"attribute", text(), "A vertex attribute of 3 components that holds the direction."},
+              {"attribute", attribute(), "A vertex attribute of 3 components that holds the direction."},
               {"texture", image(),
                "A flow map: the direction in red (along u) and green (up in the image), 0.5 is zero."},
               {"guides", guides,
@@ -125,7 +141,7 @@ Shape describeMask() {
   return either(
       {word({"auto", "none"}), forms({"texture", "attribute"},
                                      {{"texture", image(), "An image: white is in the layer, black is not."},
-                                      {"attribute", text(), "A vertex attribute, such as COLOR_0."},
+                                      {"attribute", attribute(), "A vertex attribute, such as COLOR_0."},
                                       {"channel", channel(), "Of the image or attribute; default r."}})});
 }
 
@@ -152,18 +168,21 @@ Shape describeMap() {
              false, "height"},
             {"synthesize", synthesis, "A map made from the direction field; {} takes every default."},
             {"limit", above(0, 1), "Largest x^2 + y^2 of the map's normals; default 1: no limit."},
-            {"light", list(number(-kLength, kLength), 3, 3),
+            {"light", vector("a direction [x, y, z]"),
              "Towards a light, in the scene root's space: the alpha-shading map shows the wrinkles lit from "
              "there."},
             {"shading", image(), "An alpha-shading map; default: derived from the wrinkles."}})});
 }
 
 Shape describeLayer() {
-  Shape names = list(text(), 1, kMany);
+  Shape pair = list(number(-100, 100), 2, 2);
+  pair.meaning = "a point [in, out], two numbers from -100 to 100";
+  Shape meshes = list(text("the name of a mesh"), 1, kMany),
+        materials = list(text("the name of a material"), 1, kMany);
   return object(
       {{"name", make(Kind::kName), "Name of the layer, unlike that of any other.", true},
-       {"meshes", names, "The meshes it lies on; default all."},
-       {"materials", names, "The materials it lies on; default all."},
+       {"meshes", meshes, "The meshes it lies on; default all."},
+       {"materials", materials, "The materials it lies on; default all."},
        {"direction", describeDirection(),
         "The direction across the creases; \"map\" takes it from the compress map, a normal or height map; "
         "default "
@@ -178,7 +197,7 @@ Shape describeLayer() {
        {"bias",
         forms({"texture", "attribute"},
               {{"texture", image(), "An image, read at the vertices."},
-               {"attribute", text(), "A vertex attribute, such as COLOR_0."},
+               {"attribute", attribute(), "A vertex attribute, such as COLOR_0."},
                {"channel", channel(), "Of the image or attribute; default r."},
                {"neutral", number(0, 1), "The value that leaves the weight alone; default 0.5."}}),
         "Painted offset of the weight: wrinkles at rest."},
@@ -186,9 +205,10 @@ Shape describeLayer() {
        {"stretch", describeMap(), "The map where it is stretched; default \"none\"."},
        {"drivers",
         either({word(driverTables()),
-                list(object({{"morph", text(), "Name of a morph target, or another spelling of it.", true},
+                list(object({{"morph", text("the name of a morph target"),
+                              "Name of a morph target, or another spelling of it.", true},
                              {"gain", number(-100, 100), "Default 1."},
-                             {"curve", list(list(number(-100, 100), 2, 2), 1, 64),
+                             {"curve", list(pair, 1, 64),
                               "Points [in, out], straight between them and level outside: what the morph's "
                               "weight counts as; default: itself."}}),
                      0, kMany)}),
@@ -199,7 +219,7 @@ Shape describeLayer() {
 
 const JsonShape& recipeShape() {
   static const Shape shape = object(
-      {{"$schema", text(), "Where an editor finds this schema; not read."},
+      {{"$schema", text("the address of a schema"), "Where an editor finds this schema; not read."},
        {"rest", describeRest(), "The pose in which the surface is relaxed; default \"bind\", the bind pose."},
        {"weld",
         object(
@@ -219,13 +239,17 @@ const JsonShape& recipeShape() {
 
 const JsonShape& manifestShape() {
   static const Shape shape =
-      object({{"$schema", text(), "Where an editor finds this schema; not read."},
+      object({{"$schema", text("the address of a schema"), "Where an editor finds this schema; not read."},
               {"assets",
-               list(object({{"source", text(), "The mesh file; with \"sequence\", the relaxed mesh."},
-                            {"sequence", text(), "Frames of a vertex animation, such as \"frame_*.obj\"."},
+               list(object({{"source", text("the path of a file"),
+                             "The mesh file; with \"sequence\", the relaxed mesh."},
+                            {"sequence", text("a pattern of file names, such as \"frame_*.obj\""),
+                             "Frames of a vertex animation, such as \"frame_*.obj\"."},
                             {"fps", number(0.001, 100000), "Frames a second of the sequence; default 24."},
-                            {"recipe", text(), "Default: one layer worked out from the animation."},
-                            {"output", text(), "The asset to write; folders are made as needed.", true},
+                            {"recipe", text("the path of a file"),
+                             "Default: one layer worked out from the animation."},
+                            {"output", text("the path of a file"),
+                             "The asset to write; folders are made as needed.", true},
                             {"geometry", word({"draco", "raw"}), "Default \"draco\"."}}),
                     1, kMany),
                "What to cook, each into an output of its own. Paths are relative to the manifest.", true}});

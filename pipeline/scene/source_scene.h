@@ -4,6 +4,7 @@
 // importers guarantee that every index is in range, that every number is finite, and that every array of a
 // primitive has one entry a vertex or is empty.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat3x2.hpp>
@@ -13,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "furrow/asset.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -73,17 +75,20 @@ struct SourceImage {
   std::vector<uint8_t> bytes;  // where `file` is empty
 };
 
-// An image as a material uses it; it repeats.
+// An image as a material uses it.
 struct MaterialMap {
   uint32_t image = kNoIndex;  // none
   // From TEXCOORD_0 to the image, its origin in the upper left corner.
   glm::mat3x2 uv{1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f};
+  std::array<Wrap, 2> wrap{};  // across and down the image
 
   bool operator==(const MaterialMap&) const = default;
 };
 
 struct MaterialMaps {
-  MaterialMap color;         // sRGB-encoded, times Material::base_color
+  MaterialMap color;            // sRGB-encoded, times Material::base_color
+  uint32_t opacity = kNoIndex;  // an image of its own, which lies as `color` does: its alpha if it has one,
+                                // else its first channel
   float opaque_from = 0.0f;  // opacity below which nothing is seen
   MaterialMap normal;        // in tangent space, green up
   float normal_scale = 1.0f;
@@ -93,7 +98,7 @@ struct MaterialMaps {
 
 struct Material {
   std::string name;
-  glm::vec4 base_color{1.0f};  // linear
+  glm::vec4 base_color{1.0f};  // linear; opacity last
   float roughness = 0.5f;      // [0, 1]
   MaterialMaps maps;
 };

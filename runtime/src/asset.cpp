@@ -419,6 +419,13 @@ class Loader {
       if (Status status = loadTexture(maps->normal(), TextureFormat::kBc5, out.normal); !status.ok())
         return status;
       out.opaque_from = maps->opaque_from();
+      const format::Wrap wraps[] = {maps->color_wrap_u(), maps->color_wrap_v(), maps->normal_wrap_u(),
+                                    maps->normal_wrap_v()};
+      for (size_t w = 0; w < 4; ++w) {
+        if (wraps[w] > format::Wrap::Mirror)
+          return bad("a map continues in an unknown way beyond its borders");
+        (w < 2 ? out.color_wrap : out.normal_wrap)[w % 2] = static_cast<Wrap>(wraps[w]);
+      }
       if (out.color.slices > 1 || out.normal.slices > 1 || !readUv(maps->color_uv(), out.color_uv) ||
           !readUv(maps->normal_uv(), out.normal_uv) || !(out.opaque_from >= 0.0f && out.opaque_from <= 1.0f))
         return bad("the model's own maps are not sound");

@@ -1,15 +1,31 @@
 #pragma once
 
-// Texels of the block formats (Direct3D 11, "BC1 format" and "BC4 format"): blocks of 4 x 4, rows of blocks
-// one behind the other.
+// Where texels are, and those of the block formats (Direct3D 11, "BC1 format" and "BC4 format"): blocks of 4
+// x 4, rows of blocks one behind the other.
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
-#include "furrow/types.h"
+#include "furrow/asset.h"
 
 namespace furrow {
+
+// std::floor is a call where the baseline has no instruction for it.
+inline float floorOf(float x) {
+  if (!(std::abs(x) < 8388608.0f)) return x;
+  const auto whole = static_cast<float>(static_cast<int32_t>(x));
+  return whole > x ? whole - 1.0f : whole;
+}
+
+inline float wrapTo(Wrap wrap, float at) {
+  if (wrap == Wrap::kClamp) return std::clamp(at, 0.0f, 1.0f);
+  if (wrap == Wrap::kRepeat) return at - floorOf(at);
+  const float turned = at - 2.0f * floorOf(0.5f * at);
+  return turned > 1.0f ? 2.0f - turned : turned;
+}
 
 // The eight bytes at `offset` of the block, of `block_bytes`, that holds x, y of a slice `width` texels wide.
 inline uint64_t blockAt(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y, size_t block_bytes,

@@ -110,10 +110,11 @@ struct Filler {
   TriangleShader& shader;
 };
 
-// A patch of a triangle with holes, row by row: what is not seen becomes what it was. `depth` and `triangles`
-// point to the first pixel of its block, which is x, y of the picture.
-void fillWithHoles(RasterPatch patch, const Filler& filler, int32_t x, int32_t y, float* depth,
-                   uint32_t* triangles) {
+// A patch of a triangle that one sees through, row by row: samples behind which something else is seen become
+// what they were. `depth` and `triangles` point to the first pixel of its block, which is x, y of the
+// picture.
+void fillSeenThrough(RasterPatch patch, const Filler& filler, int32_t x, int32_t y, float* depth,
+                     uint32_t* triangles) {
   float depth_before[kMaxRasterSamples][kRasterBlock];
   uint32_t triangles_before[kMaxRasterSamples][kRasterBlock];
   for (const uint32_t last = patch.y1; patch.y0 < last; ++patch.y0) {
@@ -134,10 +135,10 @@ void fillWithHoles(RasterPatch patch, const Filler& filler, int32_t x, int32_t y
       };
       bool any = false;
       for (uint32_t s = 0; s < filler.samples; ++s) any = any || changed(s);
-      if (!any || filler.shader.isSeen(patch.triangle, x + static_cast<int32_t>(column) + 0.5,
-                                       y + static_cast<int32_t>(patch.y0) + 0.5))
-        continue;
-      for (uint32_t s = 0; s < filler.samples; ++s) {
+      if (!any) continue;
+      const uint32_t seen = filler.shader.samplesSeenAt(
+          patch.triangle, x + static_cast<int32_t>(column) + 0.5, y + static_cast<int32_t>(patch.y0) + 0.5);
+      for (uint32_t s = seen; s < filler.samples; ++s) {
         depth[at(s, column)] = depth_before[s][i];
         triangles[at(s, column)] = triangles_before[s][i];
       }
@@ -185,8 +186,8 @@ void fillBlock(const Triangle& triangle, const Bounds& bounds, int32_t x, int32_
   patch.triangle = triangle.id;
   const size_t origin =
       static_cast<size_t>(y - tile.bounds.y0) * kRasterTile + static_cast<size_t>(x - tile.bounds.x0);
-  if (shader.hasHoles(triangle.id))
-    fillWithHoles(patch, filler, x, y, tile.depth + origin, tile.triangles + origin);
+  if (shader.isSeenThrough(triangle.id))
+    fillSeenThrough(patch, filler, x, y, tile.depth + origin, tile.triangles + origin);
   else
     kernel.fill(patch, samples, tile.depth + origin, tile.triangles + origin);
 }

@@ -12,13 +12,6 @@ namespace furrow {
 
 namespace {
 
-// std::floor is a call where the baseline has no instruction for it.
-float floorOf(float x) {
-  if (!(std::abs(x) < 8388608.0f)) return x;
-  const auto whole = static_cast<float>(static_cast<int32_t>(x));
-  return whole > x ? whole - 1.0f : whole;
-}
-
 float mix(float a, float b, float t) {
   return a * (1.0f - t) + b * t;
 }
@@ -37,8 +30,9 @@ float rgba8Texel(const std::byte* slice, uint32_t width, uint32_t x, uint32_t y,
 
 }  // namespace
 
-void SliceSampler::select(const Texture& texture) {
+void SliceSampler::select(const Texture& texture, const Wrap (&wrap)[2]) {
   texture_ = &texture;
+  std::copy_n(wrap, 2, wrap_);
   const std::byte* data = texture.data.data();
   for (uint32_t level = 0; level < texture.levels; ++level) {
     levels_[level] = {data, textureLevelBytes(texture.format, texture.width, texture.height, level),
@@ -52,13 +46,19 @@ auto SliceSampler::filtered(const float uv[2], const float right[2], const float
                             const Texel& texel) const {
   const auto bilinear = [&](const Level& level) {
     const uint32_t width = level.width, height = level.height;
-    const float x = (uv[0] - floorOf(uv[0])) * static_cast<float>(width) - 0.5f;
-    const float y = (uv[1] - floorOf(uv[1])) * static_cast<float>(height) - 0.5f;
-    const float left = floorOf(x), top = floorOf(y);
-    // From -1 to the last texel.
-    const uint32_t x0 = left < 0.0f ? width - 1 : std::min(static_cast<uint32_t>(left), width - 1);
-    const uint32_t y0 = top < 0.0f ? height - 1 : std::min(static_cast<uint32_t>(top), height - 1);
-    const uint32_t x1 = x0 + 1 == width ? 0 : x0 + 1, y1 = y0 + 1 == height ? 0 : y0 + 1;
+    const float x = wrapTo(wrap_[0], uv[0]) * static_cast<float>(width) - 0.5f;
+    const float y = wrapTo(wrap_[1], uv[1]) * static_cast<float>(height) - 0.5f;
+    const float left = floorOf(x), top = floorOf(y);  // from -1 to the last texel
+    const auto before = [](Wrap wrap, float at, uint32_t size) {
+      if (at < 0.0f) return wrap == Wrap::kRepeat ? size - 1 : 0;
+      return std::min(static_cast<uint32_t>(at), size - 1);
+    };
+    const auto after = [](Wrap wrap, float at, uint32_t size) {
+      const auto next = static_cast<uint32_t>(at + 1.0f);
+      return next < size ? next : wrap == Wrap::kRepeat ? 0 : size - 1;
+    };
+    const uint32_t x0 = before(wrap_[0], left, width), x1 = after(wrap_[0], left, width);
+    const uint32_t y0 = before(wrap_[1], top, height), y1 = after(wrap_[1], top, height);
     const float fx = x - left, fy = y - top;
     const auto upper = mix(texel(level, x0, y0), texel(level, x1, y0), fx);
     const auto lower = mix(texel(level, x0, y1), texel(level, x1, y1), fx);
@@ -120,6 +120,11 @@ const BaseMaps* baseMapsOf(const AssetView& asset, const Part* part) {
   if (!part || part->base_maps == kAbsent) return nullptr;
   const BaseMaps& maps = asset.base_maps[part->base_maps];
   return maps.color.slices > 0 ? &maps : nullptr;
+}
+
+bool seenThrough(const RasterJob& job, const Part& part) {
+  const BaseMaps* base = baseMapsOf(*job.asset, &part);
+  return !(part.base_color.w >= 1.0f) || (base && base->opaque_from > 0.0f);
 }
 
 void findPlanes(const RasterJob& job, ShadedTriangle& triangle) {
@@ -190,7 +195,7 @@ void findLayers(const RasterJob& job, ShadedTriangle& triangle) {
 
 TriangleShader::TriangleShader(const RasterJob& job, ShadedTriangle* kept) : job_(job), kept_(kept) {
   for (uint32_t i = 0; i < kKept; ++i) kept_[i].id = kAbsent;
-  for (const BaseMaps& maps : job.asset->base_maps) any_holes_ = any_holes_ || maps.opaque_from > 0.0f;
+  for (const Part& part : job.asset->parts) any_seen_through_ = any_seen_through_ || seenThrough(job, part);
 }
 
 const ShadedTriangle& TriangleShader::shaded(uint32_t id) {
@@ -244,7 +249,7 @@ TriangleShader::Footprint TriangleShader::footprint(const ShadedTriangle& triang
 // The map is ready for fetches there.
 TriangleShader::Footprint TriangleShader::onBaseMap(const BaseMaps& maps, const Footprint& at) {
   if (painted_ != &maps) {
-    colors_.select(maps.color);
+    colors_.select(maps.color, maps.color_wrap);
     painted_ = &maps;
   }
   const float* m = maps.color_uv;
@@ -265,8 +270,9 @@ float TriangleShader::crease(const ShadedTriangle& triangle, const double* share
   const TextureSet* set = triangle.set;
   const auto& [uv, right, down] = at;
   if (set && sampled_ != set) {
-    shading_.select(set->shading);
-    masks_.select(set->masks);
+    constexpr Wrap kTiles[2] = {Wrap::kRepeat, Wrap::kRepeat};
+    shading_.select(set->shading, kTiles);
+    masks_.select(set->masks, kTiles);
     sampled_ = set;
   }
   float left = 1.0f;
@@ -295,16 +301,20 @@ float TriangleShader::crease(const ShadedTriangle& triangle, const double* share
   return left;
 }
 
-bool TriangleShader::hasHoles(uint32_t id) const {
-  if (!any_holes_) return false;
-  const BaseMaps* base = baseMapsOf(*job_.asset, partOf(*job_.asset, id));
-  return base && base->opaque_from > 0.0f;
+bool TriangleShader::isSeenThrough(uint32_t id) const {
+  if (!any_seen_through_) return false;
+  const Part* part = partOf(*job_.asset, id);
+  return part && seenThrough(job_, *part);
 }
 
-bool TriangleShader::isSeen(uint32_t id, double x, double y) {
+uint32_t TriangleShader::samplesSeenAt(uint32_t id, double x, double y) {
   const ShadedTriangle& triangle = shaded(id);
-  const Footprint at = onBaseMap(*triangle.base, footprint(triangle, placeOf(triangle, x, y)));
-  return triangle.opacity * colors_.opacityAt(at.uv, at.right, at.down) >= triangle.base->opaque_from;
+  if (triangle.base && triangle.base->opaque_from > 0.0f) {
+    const Footprint at = onBaseMap(*triangle.base, footprint(triangle, placeOf(triangle, x, y)));
+    if (!(triangle.opacity * colors_.opacityAt(at.uv, at.right, at.down) >= triangle.base->opaque_from))
+      return 0;
+  }
+  return samplesSeen(triangle.opacity, job_.samples);
 }
 
 Float3 TriangleShader::color(uint32_t id, double x, double y) {

@@ -11,10 +11,9 @@ inline constexpr uint32_t kMaxRasterLevels = 16;  // of a texture
 // The slices of a texture, ready for fetches.
 class SliceSampler {
  public:
-  void select(const Texture& texture);
+  void select(const Texture& texture, const Wrap (&wrap)[2]);
 
-  // One channel at uv, with `right` and `down` the change of uv over a pixel: trilinear, repeating, in [0,
-  // 1].
+  // One channel at uv, with `right` and `down` the change of uv over a pixel: trilinear, in [0, 1].
   float at(uint32_t slice, uint32_t channel, const float uv[2], const float right[2],
            const float down[2]) const;
 
@@ -34,6 +33,7 @@ class SliceSampler {
   auto filtered(const float uv[2], const float right[2], const float down[2], const Texel& texel) const;
 
   const Texture* texture_ = nullptr;
+  Wrap wrap_[2] = {};
   Level levels_[kMaxRasterLevels] = {};
 };
 
@@ -67,9 +67,10 @@ class TriangleShader {
   // far as perspective allows.
   Float3 color(uint32_t triangle, double x, double y);
 
-  // Whether there are places of the triangle at which nothing is seen, and whether something is at this one.
-  bool hasHoles(uint32_t triangle) const;
-  bool isSeen(uint32_t triangle, double x, double y);
+  // Whether one sees through the triangle anywhere, and how many samples it covers, the first ones, of those
+  // that it hits in the pixel at whose centre this is.
+  bool isSeenThrough(uint32_t triangle) const;
+  uint32_t samplesSeenAt(uint32_t triangle, double x, double y);
 
  private:
   // Where a pixel is in a triangle: shares of the corners, and uv with its change over a pixel.
@@ -91,7 +92,7 @@ class TriangleShader {
   ShadedTriangle* kept_;
   const TextureSet* sampled_ = nullptr;
   const BaseMaps* painted_ = nullptr;
-  bool any_holes_ = false;
+  bool any_seen_through_ = false;
   SliceSampler shading_, masks_, colors_;
 };
 

@@ -33,4 +33,8 @@ Float4 texelAt(const Texture& texture, uint32_t level, uint32_t slice, uint32_t 
   return {unorm(0), unorm(1), unorm(2), unorm(3)};
 }
 
+float wrapped(Wrap wrap, float at) {
+  return wrapTo(wrap, at);
+}
+
 }  // namespace furrow

@@ -8,6 +8,7 @@
 #include "pipeline/error.h"
 #include "pipeline/import/formats.h"
 #include "pipeline/import/import.h"
+#include "pipeline/import/obj_materials.h"
 
 namespace {
 
@@ -49,6 +50,22 @@ void checkPrimitive(const Primitive& primitive) {
   }
 }
 
+// The bytes as the material file of an OBJ model: never refused.
+void checkMaterials(std::string_view text) {
+  ObjMaterials found;
+  addMaterials(text, "fuzz.mtl", "fuzz.obj", found);
+  const auto share = [](float value) { return value >= 0.0f && value <= 1.0f; };
+  for (const auto& [name, material] : found.materials) {
+    const MaterialMaps& maps = material.maps;
+    for (const uint32_t image : {maps.color.image, maps.opacity, maps.normal.image})
+      require(image == kNoIndex || image < found.images.size());
+    for (const MaterialMap& map : {maps.color, maps.normal})
+      for (int c = 0; c < 3; ++c) require(std::isfinite(map.uv[c].x) && std::isfinite(map.uv[c].y));
+    for (int c = 0; c < 4; ++c) require(share(material.base_color[c]));
+    require(share(material.roughness) && share(maps.opaque_from) && std::isfinite(maps.normal_scale));
+  }
+}
+
 bool small(const SourceScene& scene) {
   size_t vertices = 0;
   for (const Part& part : scene.parts) vertices += scene.primitives[part.primitive].positions.size();
@@ -59,10 +76,13 @@ bool small(const SourceScene& scene) {
 }  // namespace
 
 // Any bytes: they are refused with an Error, or make a sound scene; a small one is then cooked without maps,
-// or refused in the same way. As a frame of a sequence they are refused, or make sound polygons.
+// or refused in the same way. What looks like materials is read as such, too. As a frame of a sequence they
+// are refused, or make sound polygons.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   // OBJ is told by its extension alone, and STL text only where there is no other.
-  const bool solid = std::string_view(reinterpret_cast<const char*>(data), size).starts_with("solid");
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const bool solid = text.starts_with("solid");
+  if (text.find("newmtl") != text.npos) checkMaterials(text);
   try {
     const Polygons polygons =
         polygonsOf(solid ? MeshFormat::kStlText : MeshFormat::kObj, {data, data + size});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "editor/preview/camera.h"
 #include "editor/preview/posed_frame.h"
 #include "editor/preview/renderer.h"
 #include "editor/preview/software_picture.h"
@@ -215,6 +216,49 @@ TEST_F(BaseMapsPicture, BothRenderersMoveTheMapAlike) {
   }
 }
 
+TEST_F(BaseMapsPicture, BordersAreDrawnAsTheSamplerSays) {
+  // The square shows -1 to 2 of the map, both ways.
+  const std::string moved =
+      ",\"extensions\":{\"KHR_texture_transform\":{\"offset\":[-1,-1],\"scale\":[3,3]}}";
+  const auto shown = [&](int across, int down) {
+    Square square;
+    const std::string image = square.embedded(pngOf(quadrants(3)));
+    return cookedFile(square.write(
+        "wrapped.glb", image, "\"source\":0,\"sampler\":0",
+        "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0" + moved + "}}",
+        ",\"samplers\":[{\"wrapS\":" + std::to_string(across) + ",\"wrapT\":" + std::to_string(down) + "}]"));
+  };
+  constexpr int kRepeat = 10497, kClamp = 33071, kMirror = 33648;
+  // Of the sixths of the square, from its upper left corner: which half of the map is there.
+  const auto half = [](int way, uint32_t sixth) {
+    constexpr uint32_t kHalves[3][6] = {{0, 1, 0, 1, 0, 1}, {0, 0, 0, 1, 1, 1}, {1, 0, 0, 1, 1, 0}};
+    return kHalves[way == kRepeat ? 0 : way == kClamp ? 1 : 2][sixth];
+  };
+  for (const auto& [across, down] :
+       {std::pair(kRepeat, kRepeat), {kClamp, kMirror}, {kMirror, kClamp}, {kRepeat, kClamp}}) {
+    const Model model = shown(across, down);
+    uint32_t drawer = 0;
+    for (const Image& image : pictures(model)) {
+      const preview::CameraFrame frame =
+          preview::cameraFrame(optionsFor(model, Tier::kCpu, Shading::kAlpha).camera, 1.0f);
+      for (uint32_t y = 0; y < 6; ++y)
+        for (uint32_t x = 0; x < 6; ++x) {
+          const auto middle = [](uint32_t sixth) { return (static_cast<float>(sixth) + 0.5f) / 6.0f; };
+          const auto origin = [&](int axis) { return static_cast<float>(model.frame.origin[axis]); };
+          const glm::vec4 clip =
+              frame.view_projection * glm::vec4(middle(x) - origin(0), middle(5 - y) - origin(1), 0.0f, 1.0f);
+          const auto pixel = [](float at) { return static_cast<uint32_t>((at * 0.5f + 0.5f) * kSize); };
+          const float* p = image.at(pixel(clip.x / clip.w), pixel(-clip.y / clip.w));
+          const uint32_t q = 2 * half(down, y) + half(across, x);  // the last one is grey
+          const float lead =
+              q == 3 ? 0.06f - std::abs(p[0] - p[1]) : p[q] - std::max(p[(q + 1) % 3], p[(q + 2) % 3]) - 0.1f;
+          EXPECT_GT(lead, 0.0f) << drawer << " " << across << " " << down << " at " << x << " " << y;
+        }
+      ++drawer;
+    }
+  }
+}
+
 TEST_F(BaseMapsPicture, WhatIsMaskedIsNotDrawn) {
   std::array<Color, 4> colors = kQuadrants;
   colors[1][3] = 40;
@@ -244,6 +288,48 @@ TEST_F(BaseMapsPicture, WhatIsMaskedCastsNoShadow) {
   };
   for (const Image& image : pictures(blind("MASK"))) EXPECT_LT(spread(image), 5 * kStep);
   for (const Image& image : pictures(blind("OPAQUE"))) EXPECT_GT(spread(image), 30 * kStep);
+}
+
+// A red square before a grey one, in that opacity and without a texture.
+TEST_F(BaseMapsPicture, WhatIsBehindShowsThroughAFactorsOpacity) {
+  const auto model = [](const std::string& opacity, const std::string& mode) {
+    test::GltfBuilder builder;
+    std::string primitives;
+    for (const float z : {0.2f, 0.0f}) {
+      const int positions = builder.add<float>({0, 0, z, 1, 0, z, 1, 1, z, 0, 1, z}, "VEC3", 3);
+      const int indices = builder.add<uint16_t>({0, 1, 2, 0, 2, 3}, "SCALAR", 1);
+      primitives += std::string(z > 0.0f ? "" : ",") +
+                    "{\"attributes\":{\"POSITION\":" + std::to_string(positions) +
+                    "},\"indices\":" + std::to_string(indices) + ",\"material\":" + (z > 0.0f ? "0}" : "1}");
+    }
+    return cookedFile(test::writeFile(
+        "glass.glb", builder.glb("\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[" + primitives +
+                                 "]}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":["
+                                 "0.4,0.02,0.02," +
+                                 opacity + "]},\"alphaMode\":\"" + mode +
+                                 "\"},{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.2,0.2,0.2,1]}}]")));
+  };
+  const std::vector<Image> clear = pictures(model("0", "BLEND")), half = pictures(model("0.45", "BLEND")),
+                           quarter = pictures(model("0.3", "BLEND")), whole = pictures(model("1", "BLEND")),
+                           opaque = pictures(model("0.5", "OPAQUE")), cut = pictures(model("0.4", "MASK"));
+  const auto linear = [](float c) {
+    return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+  };
+  for (size_t i = 0; i < clear.size(); ++i) {
+    SCOPED_TRACE(i);
+    const auto at = [&](const std::vector<Image>& images) {
+      return images[i].at(kSize / 2 - 9, kSize / 2 + 5);
+    };
+    EXPECT_GT(at(whole)[0], at(whole)[1] + 0.2f);
+    EXPECT_NEAR(at(clear)[0], at(clear)[1], 0.05f);
+    expectNear(at(opaque), at(whole), kStep);
+    expectNear(at(cut), at(clear), kStep);
+    for (int c = 0; c < 3; ++c) {
+      const float front = linear(at(whole)[c]), behind = linear(at(clear)[c]);
+      EXPECT_NEAR(linear(at(half)[c]), 0.5f * (front + behind), 0.02f) << c;
+      EXPECT_NEAR(linear(at(quarter)[c]), 0.25f * front + 0.75f * behind, 0.02f) << c;
+    }
+  }
 }
 
 TEST_F(BaseMapsPicture, NormalsTiltTowardsTheLight) {

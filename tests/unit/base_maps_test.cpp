@@ -10,9 +10,10 @@
 
 #include "pipeline/cook/cook.h"
 #include "pipeline/cook/cook_cache.h"
+#include "pipeline/import/formats.h"
 #include "pipeline/import/import.h"
 #include "pipeline/maps/color.h"
-#include "pipeline/pack/texture_bytes.h"
+#include "pipeline/pack/section_bytes.h"
 #include "tests/unit/textured_square.h"
 
 namespace furrow::pipeline {
@@ -246,6 +247,60 @@ TEST(BaseMaps, ATransformIsKept) {
   for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(mapsOf(result).color_uv[i], expected[i], 1e-6f) << i;
 }
 
+TEST(BaseMaps, WhatIsBeyondTheBordersIsKept) {
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(3), "png"));
+  const auto cooked = [&](const std::string& texture, const std::string& samplers) {
+    return cookFile(square.write("wrap.glb", image, "\"source\":0" + texture, kColor, samplers));
+  };
+  const Result each =
+      cooked(",\"sampler\":1", ",\"samplers\":[{},{\"wrapS\":33071,\"wrapT\":33648,\"magFilter\":9728}]");
+  EXPECT_EQ(mapsOf(each).color_wrap[0], Wrap::kClamp);
+  EXPECT_EQ(mapsOf(each).color_wrap[1], Wrap::kMirror);
+  EXPECT_EQ(mapsOf(each).normal_wrap[0], Wrap::kRepeat);
+  // What is not said, or not one of glTF's ways, repeats.
+  for (const auto& [texture, samplers] :
+       {std::pair("", ""),
+        {",\"sampler\":0", ",\"samplers\":[{}]"},
+        {",\"sampler\":7", ",\"samplers\":[{\"wrapS\":33071}]"},
+        {",\"sampler\":0", ",\"samplers\":[{\"wrapS\":\"33071\",\"wrapT\":10496}]"}})
+    for (const Wrap wrap : mapsOf(cooked(texture, samplers)).color_wrap) EXPECT_EQ(wrap, Wrap::kRepeat);
+}
+
+TEST(BaseMaps, TexelsAreFoundBeyondTheBorders) {
+  for (const auto& [at, repeated, mirrored, clamped] : {std::array{0.25f, 0.25f, 0.25f, 0.25f},
+                                                        {1.25f, 0.25f, 0.75f, 1.0f},
+                                                        {2.25f, 0.25f, 0.25f, 1.0f},
+                                                        {-0.25f, 0.75f, 0.25f, 0.0f},
+                                                        {-1.25f, 0.75f, 0.75f, 0.0f}}) {
+    EXPECT_EQ(wrapped(Wrap::kRepeat, at), repeated) << at;
+    EXPECT_EQ(wrapped(Wrap::kMirror, at), mirrored) << at;
+    EXPECT_EQ(wrapped(Wrap::kClamp, at), clamped) << at;
+  }
+}
+
+TEST(BaseMaps, OlderMaterialsHaveTheirColoursElsewhere) {
+  Square square;
+  const std::string image = square.embedded(fileOf(quadrants(3), "png"));
+  const Result result = cookFile(square.write(
+      "glossy.glb", image, "\"source\":0",
+      "\"alphaMode\":\"BLEND\",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[1,"
+      "0.5,1,0.25],"
+      "\"diffuseTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0]}}}}}",
+      ",\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"]"));
+  EXPECT_THAT(textureWarnings(result), IsEmpty());
+  expectQuadrants(result.asset, 0.012);
+  EXPECT_EQ(mapsOf(result).color_uv[4], 0.5f);
+  EXPECT_EQ(result.asset.view().parts[0].base_color.y, 0.5f);
+  EXPECT_EQ(result.asset.view().parts[0].base_color.w, 0.25f);
+  const Result bare =
+      cookFile(square.write("glossy.glb", image, "\"source\":0",
+                            "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":[],"
+                            "\"diffuseFactor\":7}}"));
+  EXPECT_TRUE(bare.asset.view().base_maps.empty());
+  EXPECT_EQ(bare.asset.view().parts[0].base_color.y, 1.0f);
+}
+
 TEST(BaseMaps, TheirSizeHasALimitAndNoneCanBeKept) {
   Square square;
   const fs::path file =
@@ -275,6 +330,32 @@ TEST(BaseMaps, OpacityCountsWhereTheMaterialSaysSo) {
   const Result opaque = cookFile(square.write("opaque.glb", image, "\"source\":0", kColor));
   EXPECT_EQ(mapsOf(opaque).color.format, TextureFormat::kBc1);
   EXPECT_EQ(mapsOf(opaque).opaque_from, 0.0f);
+}
+
+TEST(BaseMaps, TheFactorsOpacityCountsWhereTheMaterialSaysSo) {
+  struct Case {
+    const char* mode;
+    float opacity, seen, opaque_from;  // of the factor, then of the part and its map
+  };
+  for (const auto& [mode, factor, seen, opaque_from] :
+       {Case{"\"alphaMode\":\"BLEND\"", 0.25f, 0.25f, kBlendCutoff * 0.25f},
+        {"\"alphaMode\":\"BLEND\"", 1.0f, 1.0f, kBlendCutoff},
+        {"\"alphaMode\":\"BLEND\"", 0.0f, 0.0f, 0.0f},
+        {"\"alphaMode\":\"MASK\"", 0.75f, 1.0f, 0.5f / 0.75f},
+        {"\"alphaMode\":\"MASK\"", 0.25f, 0.0f, 0.0f},
+        {"\"alphaMode\":\"OPAQUE\"", 0.25f, 1.0f, 0.0f}}) {
+    for (const bool textured : {false, true}) {
+      Square square;
+      const std::string image = square.embedded(fileOf(quadrants(4), "png"));
+      const Result result = cookFile(
+          square.write("factor.glb", image, "\"source\":0",
+                       "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1," + std::to_string(factor) +
+                           "]" + (textured ? ",\"baseColorTexture\":{\"index\":0}" : "") + "}," + mode));
+      EXPECT_EQ(result.asset.view().parts[0].base_color.w, seen) << mode << factor;
+      if (!textured) continue;
+      EXPECT_NEAR(mapsOf(result).opaque_from, opaque_from, 1e-6f) << mode << factor;
+    }
+  }
 }
 
 // ---- OBJ ----
@@ -367,8 +448,85 @@ TEST(ObjMaterials, HairIsCutOutWhereItsImageSaysSo) {
     EXPECT_GT(mapsOf(result).opaque_from, 0.0f);
     EXPECT_EQ(mapsOf(result).color.format, TextureFormat::kBc3);
   }
-  square.text("square.mtl", "newmtl skin\nmap_d mask.png\nmap_Kd hair.png\n");
-  EXPECT_EQ(mapsOf(cookFile(square.write())).opaque_from, 0.0f);
+}
+
+TEST(ObjMaterials, OpacityMayBeAnImageOfItsOwn) {
+  const ObjSquare square;
+  std::array<Color, 4> greys = {
+      {{0, 0, 0, 255}, {255, 255, 255, 255}, {128, 128, 128, 255}, {255, 255, 255, 255}}};
+  writeBytes(square.path("grey.png"), fileOf(quadrants(1, greys), "png"));
+  for (Color& color : greys) color = {9, 9, 9, color[0]};
+  writeBytes(square.path("alpha.png"), fileOf(quadrants(4, greys), "png"));
+  for (const char* lines :
+       {"map_Kd textures/skin color.png\nmap_d grey.png\n",
+        "map_d alpha.png\nmap_Kd textures/skin color.png\n", "Kd 0.5 0.25 1\nmap_d grey.png\n"}) {
+    const bool colored = std::string(lines).find("map_Kd") != std::string::npos;
+    square.text("square.mtl", std::string("newmtl skin\n") + lines);
+    const fs::path obj = square.write();
+    const Result result = cookFile(obj);
+    EXPECT_THAT(textureWarnings(result), IsEmpty()) << lines;
+    const BaseMaps maps = mapsOf(result);
+    EXPECT_EQ(maps.opaque_from, kBlendCutoff);
+    ASSERT_EQ(maps.color.format, TextureFormat::kBc3);
+    EXPECT_NEAR(texelAt(maps.color, 0, 0, 8, 8).w, 0.0f, 0.01f);
+    EXPECT_NEAR(texelAt(maps.color, 0, 0, 24, 8).w, 1.0f, 0.01f);
+    EXPECT_NEAR(texelAt(maps.color, 0, 0, 8, 24).w, 0.5f, 0.02f);
+    EXPECT_NEAR(texelAt(maps.color, 0, 0, 24, 8).y, colored ? kQuadrants[1][1] / 255.0 : 1.0, 0.02);
+    EXPECT_EQ(result.asset.view().parts[0].base_color.y, colored ? 1.0f : 0.25f);
+    EXPECT_THAT(importedFiles(obj), testing::UnorderedElementsAreArray(result.cooked.dependencies));
+  }
+  for (const auto& [lines, fault] :
+       {std::pair("map_Kd -s 2 2 textures/skin color.png\nmap_d grey.png\n", "not placed as its colour"),
+        {"map_Kd textures/skin color.png\nmap_d lost.png\n", "lost.png: no such file"}}) {
+    square.text("square.mtl", std::string("newmtl skin\n") + lines);
+    const Result result = cookFile(square.write());
+    EXPECT_THAT(textureWarnings(result),
+                ElementsAre(AllOf(HasSubstr("material \"skin\""), HasSubstr("opacity"), HasSubstr(fault))));
+    EXPECT_EQ(mapsOf(result).color.format, TextureFormat::kBc1);
+  }
+}
+
+TEST(ObjMaterials, WhatIsSeenThroughIsInTheMaterialToo) {
+  const ObjSquare square;
+  for (const auto& [line, opacity] : {std::pair("d 0.25", 0.25f),
+                                      {"Tr 0.75", 0.25f},
+                                      {"d 1", 1.0f},
+                                      {"d 0", 1.0f},
+                                      {"Tr 1", 1.0f},
+                                      {"d -halo 0.5", 1.0f},
+                                      {"d 0.5\nmap_Kd textures/skin color.png", 0.5f}}) {
+    square.text("square.mtl", std::string("newmtl other\nd 0.1\nnewmtl skin\n") + line + "\n");
+    EXPECT_EQ(cookFile(square.write()).asset.view().parts[0].base_color.w, opacity) << line;
+  }
+}
+
+TEST(ObjMaterials, ImagesMayEndAtTheirBorders) {
+  const ObjSquare square;
+  square.text("square.mtl", "newmtl skin\nmap_Kd -clamp on textures/skin color.png\n");
+  for (const Wrap wrap : mapsOf(cookFile(square.write())).color_wrap) EXPECT_EQ(wrap, Wrap::kClamp);
+  square.text("square.mtl", "newmtl skin\nmap_Kd -clamp off textures/skin color.png\n");
+  for (const Wrap wrap : mapsOf(cookFile(square.write())).color_wrap) EXPECT_EQ(wrap, Wrap::kRepeat);
+}
+
+TEST(PlyTextures, TheImageOfAScanIsShown) {
+  const ObjSquare square;
+  const auto write = [&](const std::string& comments) {
+    return square.text("scan.ply",
+                       "ply\nformat ascii 1.0\ncomment made by a scanner\n" + comments +
+                           "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                           "property float s\nproperty float t\nelement face 2\n"
+                           "property list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n"
+                           "1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n");
+  };
+  const fs::path file = write("comment TextureFile textures/skin color.png \r\n");
+  const Result result = cookFile(file);
+  EXPECT_THAT(textureWarnings(result), IsEmpty());
+  expectQuadrants(result.asset, 0.012);
+  EXPECT_THAT(importedFiles(file), testing::UnorderedElementsAreArray(result.cooked.dependencies));
+  EXPECT_THAT(textureWarnings(cookFile(write("comment TextureFile lost.png\n"))),
+              ElementsAre(HasSubstr("lost.png: no such file")));
+  EXPECT_THAT(textureWarnings(cookFile(write("comment TextureFile a.png\ncomment TextureFile b.png\n"))),
+              ElementsAre(HasSubstr("2 textures, \"a.png\" and others")));
 }
 
 TEST(ObjMaterials, WhatIsMissingOrDamagedCostsAWarning) {
@@ -422,15 +580,23 @@ TEST(BaseMaps, TexturesArePackedInTheFile) {
   const Result result = cookFile(
       square.write("packed.glb", square.embedded(fileOf(quadrants(3), "png")), "\"source\":0", kColor));
   const AssetView& view = result.asset.view();
-  const TextureBytes packed = textureBytes(result.cooked.bytes);
+  const SectionBytes packed = sectionBytes(result.cooked.bytes);
   size_t maps = 0;
   for (const TextureSet& set : view.texture_sets)
     maps += set.normals.data.size() + set.shading.data.size() + set.masks.data.size();
-  EXPECT_GT(packed.own, 0u);
-  EXPECT_LT(packed.own, view.base_maps[0].color.data.size());
+  EXPECT_GT(packed.own_maps, 0u);
+  EXPECT_LT(packed.own_maps, view.base_maps[0].color.data.size());
   EXPECT_GT(packed.maps, 0u);
   EXPECT_LT(packed.maps, maps / 2);
-  EXPECT_LT(packed.own + packed.maps, result.cooked.bytes.size());
+  EXPECT_GT(packed.geometry, 0u);
+  EXPECT_EQ(packed.morphs, 0u);
+  EXPECT_GT(packed.layers, 0u);
+  EXPECT_EQ(packed.place_hash, view.place_hash.size());
+  EXPECT_EQ(packed.rig, view.rig.size());
+  const size_t sum =
+      packed.geometry + packed.layers + packed.maps + packed.own_maps + packed.place_hash + packed.rig;
+  EXPECT_LT(sum, result.cooked.bytes.size());
+  EXPECT_GT(sum + 4000, result.cooked.bytes.size());  // names and numbers
 }
 
 TEST(BaseMaps, ANormalMapIsScaledAndStaysUnit) {

@@ -255,6 +255,18 @@ TEST(MapBake, AFlatSheetIsClothWhateverMovesIt) {
   EXPECT_EQ(std::get<MapSynthesized>(part.compress).preset, Preset::kSkin);
 }
 
+TEST(MapBake, OverlappingUvsAreNotSpokenOfWithoutMaps) {
+  Sheet sheet;
+  sheet.add(kEverywhere, 0.1);
+  for (glm::vec2& uv : sheet.surface.uvs) uv.x = std::abs(uv.x - 0.5f);
+  EXPECT_EQ(sheet.bakeAll().size(), 1u);
+  EXPECT_EQ(sheet.warnings.size(), 1u);
+  sheet.warnings.clear();
+  sheet.recipe.layers[0].compress = MapNone{};
+  EXPECT_TRUE(sheet.bakeAll().empty());
+  EXPECT_TRUE(sheet.warnings.empty());
+}
+
 TEST(MapBake, PaintedMasksArriveToTheBitAtTheirSize) {
   Sheet sheet;
   sheet.add(kEverywhere, 0.1);

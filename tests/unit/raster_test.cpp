@@ -17,12 +17,18 @@ namespace furrow::tests {
 namespace {
 
 // A surface, and all that a picture of it needs.
+Part opaquePart() {
+  Part part{};
+  part.base_color = {1.0f, 1.0f, 1.0f, 1.0f};
+  return part;
+}
+
 struct Scene {
   std::vector<Float3> positions, colors, back_colors;
   std::vector<Float2> uvs;
   std::vector<uint32_t> indices;
   std::vector<int16_t> weights;
-  Part part{};
+  Part part = opaquePart();
   Layer layer{};
   TextureSet set{};
   AssetView asset;
@@ -408,8 +414,13 @@ TEST(Raster, TheBitsDependNeitherOnTheSplitNorOnTheInstructionSet) {
   Scene scene = busyScene(map, mask);
   std::vector<std::byte> color(16 * 16);  // the alpha of half the texels is below a half
   for (size_t i = 0; i < color.size(); ++i) color[i] = map[i % map.size()];
-  const BaseMaps maps = {
-      {TextureFormat::kBc3, 16, 16, 1, 1, color}, {1, 0.5f, 0, 1, 0, 0}, 0.3f, {}, {1, 0, 0, 1, 0, 0}};
+  const BaseMaps maps = {{TextureFormat::kBc3, 16, 16, 1, 1, color},
+                         {1, 0.5f, 0, 1, 0, 0},
+                         0.3f,
+                         {},
+                         {1, 0, 0, 1, 0, 0},
+                         {},
+                         {}};
   scene.asset.base_maps = {&maps, 1};
   scene.part.base_maps = 0;
   scene.part.base_color.w = 0.9f;
@@ -579,6 +590,8 @@ TEST(RasterShading, TheModelsOwnMapColoursTheLightAndNotTheGloss) {
                      {1, 0, 0, 1, 0, 0},
                      0.0f,
                      {},
+                     {},
+                     {},
                      {}};
     Scene scene = mappedSquare(1.0f, 0);
     const std::vector<Float3> gloss(4, {0.125f, 0.125f, 0.125f});
@@ -613,7 +626,8 @@ TEST(RasterShading, TheModelsOwnMapColoursTheLightAndNotTheGloss) {
 TEST(RasterShading, NothingIsThereWhereTheMapIsSeenThrough) {
   std::vector<std::byte> map = columnsBlock(255, 0, {0, 0, 1, 1});  // opacity 1, 1, 0, 0
   map.resize(16, std::byte{0xff});
-  BaseMaps maps = {{TextureFormat::kBc3, 4, 4, 1, 1, map}, {1, 0, 0, 1, 0, 0}, 0.5f, {}, {1, 0, 0, 1, 0, 0}};
+  BaseMaps maps = {
+      {TextureFormat::kBc3, 4, 4, 1, 1, map}, {1, 0, 0, 1, 0, 0}, 0.5f, {}, {1, 0, 0, 1, 0, 0}, {}, {}};
   Scene scene = mappedSquare(1.0f, 0);
   for (int i = 0; i < 4; ++i) {
     const Float3 p = scene.positions[static_cast<size_t>(i)];
@@ -660,17 +674,17 @@ TEST(RasterShading, NothingIsThereWhereTheMapIsSeenThrough) {
   scene.part.base_color.w = 0.4f;  // times the map's
   draw(false, false, 4);
   EXPECT_EQ(at(10).w, 0.0f);
-  maps.opaque_from = 0.0f;  // an opaque material
+  maps.opaque_from = 0.0f;  // no holes
   draw(false, false, 4);
-  EXPECT_EQ(at(50).w, 1.0f);
+  EXPECT_EQ(at(50).w, 0.5f);
   maps.opaque_from = 0.3f;
   draw(false, false, 4);
-  EXPECT_EQ(at(10).w, 1.0f);
+  EXPECT_EQ(at(10).w, 0.5f);
   EXPECT_EQ(at(50).w, 0.0f);
   maps.color.format = TextureFormat::kBc1;  // has no opacity
   maps.color.data = std::span(map).first(8);
   draw(false, false, 4);
-  EXPECT_EQ(at(50).w, 1.0f);
+  EXPECT_EQ(at(50).w, 0.5f);
 }
 
 TEST(RasterShading, SmallMapsAreReadFromSmallLevels) {
@@ -693,13 +707,35 @@ TEST(RasterShading, SmallMapsAreReadFromSmallLevels) {
   EXPECT_NEAR(seen(100.0f), 0.0f, 1e-4f);
 }
 
+// A square of every opacity: its share of the samples, or the pixel as a whole where there is one.
+TEST(RasterShading, APartsOpacityIsItsShareOfThePixel) {
+  for (const auto& [opacity, of_four, of_one] : {std::array{0.0f, 0.0f, 0.0f},
+                                                 {0.1f, 0.0f, 0.0f},
+                                                 {0.2f, 0.25f, 0.0f},
+                                                 {0.45f, 0.5f, 0.0f},
+                                                 {0.6f, 0.5f, 1.0f},
+                                                 {0.8f, 0.75f, 1.0f},
+                                                 {1.0f, 1.0f, 1.0f},
+                                                 {2.0f, 1.0f, 1.0f},
+                                                 {NAN, 0.0f, 0.0f}}) {
+    Scene scene = mappedSquare(1.0f, 0);
+    scene.part.base_color.w = opacity;
+    for (const uint32_t samples : {1u, 4u}) {
+      RasterJob job = scene.job(64, 64, samples);
+      usePixels(job);
+      scene.run(job);
+      EXPECT_NEAR(scene.picture[64 * 32 + 32].w, samples == 1 ? of_one : of_four, 1e-6f) << opacity;
+    }
+  }
+}
+
 TEST(RasterShading, DecodesBlocksAsTheFormatSays) {
   std::mt19937 random(11);
   std::vector<std::byte> map(8 * 6);  // 12 x 8 texels
   for (std::byte& b : map) b = static_cast<std::byte>(random() % 256);
   const Texture texture = {TextureFormat::kBc4, 12, 8, 1, 1, map};
   SliceSampler sampler;
-  sampler.select(texture);
+  sampler.select(texture, {Wrap::kRepeat, Wrap::kRepeat});
   const float still[2] = {};
   for (uint32_t y = 0; y < 8; ++y)
     for (uint32_t x = 0; x < 12; ++x) {

@@ -211,8 +211,8 @@ TEST_F(RecipeTest, DriversMayBeATable) {
       layerError(R"("drivers": [{"morph": "m", "curve": [[0, 0], [0, 1]]}])"),
       "layers[0].drivers[0].curve: its points are not in ascending order: sort them by their first number");
   EXPECT_EQ(layerError(R"("drivers": [{"morph": "m", "curve": [[0, 0, 1]]}])"),
-            "layers[0].drivers[0].curve[0]: is a list of 3: give a list of 2 values, each a number from -100 "
-            "to 100");
+            "layers[0].drivers[0].curve[0]: is a list of 3: give a point [in, out], two numbers from "
+            "-100 to 100");
 }
 
 TEST_F(RecipeTest, AFitStandsAlone) {
@@ -303,6 +303,13 @@ TEST_F(RecipeTest, SyntaxErrorsSayWhere) {
   EXPECT_THAT(errorOf(""), testing::StartsWith("line 1, column 1: "));
   EXPECT_THAT(errorOf("{\"layers\": [\n{\"name\": \"a\", \"response\": {\"beta\": 1e999}}]}"),
               testing::AllOf(testing::StartsWith("line 2, column 40: "), testing::HasSubstr("1e999")));
+  EXPECT_EQ(errorOf("{\"layers\": [{\"name\": \"a\"},\n ]}"),
+            "line 2, column 2: nothing follows the comma before ]: take the comma out");
+  EXPECT_EQ(errorOf("{\"layers\": [{\"name\": \"a\", }]}"),
+            "line 1, column 27: nothing follows the comma before }: take the comma out");
+  EXPECT_THAT(layerError(R"("compress": {"height": "maps\map.png"})"),
+              testing::EndsWith(": write paths with /"));
+  EXPECT_EQ(errorOf(std::string("\xFF\xFE{\0}\0", 6)), "line 1, column 1: it is UTF-16: save it as UTF-8");
   EXPECT_THAT(errorOf("{} {}"), testing::StartsWith("line 1, column 4: "));
   EXPECT_THAT(errorOf("{\"layers\": NaN}"), testing::StartsWith("line 1, column 12: "));
   EXPECT_THAT(errorOf("\"\xff\""), testing::StartsWith("line 1, column 2: "));
@@ -334,17 +341,15 @@ TEST_F(RecipeTest, UnknownKeysNameTheNearest) {
 }
 
 TEST_F(RecipeTest, WrongTypesAreNamed) {
-  EXPECT_EQ(errorOf("[]"), "the recipe is a list of 0: give an object");
-  EXPECT_EQ(errorOf("{}"), "layers: is missing: give a list of 1 to 16 values, each an object");
+  EXPECT_EQ(errorOf("[]"), "the recipe is a list of 0: give an object with \"layers\"");
+  EXPECT_EQ(errorOf("{}"), "layers: is missing: give a list of 1 to 16 values, each an object with \"name\"");
   EXPECT_EQ(errorOf(R"({"layers": [{}]})"),
             "layers[0].name: is missing: give a name without commas, quotes or line breaks");
   EXPECT_EQ(layerError(R"("response": {"beta": "steep"})"),
             "layers[0].response.beta: is \"steep\": give a number from 0.001 to 1000");
-  EXPECT_EQ(
-      layerError(R"("meshes": "Head")"),
-      "layers[0].meshes: is \"Head\": give a list of one or more values, each a text that is not empty");
-  EXPECT_EQ(layerError(R"("meshes": ["Head", 1])"),
-            "layers[0].meshes[1]: is 1: give a text that is not empty");
+  EXPECT_EQ(layerError(R"("meshes": "Head")"),
+            "layers[0].meshes: is \"Head\": give a list of one or more values, each the name of a mesh");
+  EXPECT_EQ(layerError(R"("meshes": ["Head", 1])"), "layers[0].meshes[1]: is 1: give the name of a mesh");
   EXPECT_EQ(layerError(R"("measure": "direction")"),
             "layers[0].measure: is \"direction\": give \"directional\", \"area\", \"principal\" or \"none\"");
   EXPECT_EQ(layerError(R"("mask": "atuo")"),
@@ -358,7 +363,7 @@ TEST_F(RecipeTest, WrongTypesAreNamed) {
   EXPECT_EQ(layerError(R"("bias": {})"),
             "layers[0].bias: says nothing: give an object with \"texture\" or \"attribute\"");
   EXPECT_EQ(layerError(R"("drivers": [{"gain": 1}])"),
-            "layers[0].drivers[0].morph: is missing: give a text that is not empty");
+            "layers[0].drivers[0].morph: is missing: give the name of a morph target");
 }
 
 TEST_F(RecipeTest, WrongRangesAreNamed) {
@@ -379,7 +384,7 @@ TEST_F(RecipeTest, WrongRangesAreNamed) {
   EXPECT_EQ(layerError(R"("bias": {"attribute": "COLOR_0", "neutral": 2})"),
             "layers[0].bias.neutral: is 2: give a number from 0 to 1");
   EXPECT_EQ(layerError(R"("direction": {"axis": [1, 0]})"),
-            "layers[0].direction.axis: is a list of 2: give a list of 3 values, each a number");
+            "layers[0].direction.axis: is a list of 2: give a direction [x, y, z]");
   EXPECT_EQ(errorOf(R"({"mapSize": 0, "layers": [{"name": "a"}]})"),
             "mapSize: is 0: give a whole number from 16 to 8192");
   EXPECT_EQ(errorOf(R"({"weld": {"tolerance": -1}, "layers": [{"name": "a"}]})"),
@@ -391,15 +396,24 @@ TEST_F(RecipeTest, WrongRangesAreNamed) {
 }
 
 TEST_F(RecipeTest, TheZeroAxisIsRefused) {
-  EXPECT_THAT(layerError(R"("direction": {"guides": [[[0, 1, 2]]]})"),
-              testing::StartsWith(
-                  "layers[0].direction.guides[0]: is a list of 1: give a list of 2 or more values, "));
+  EXPECT_THAT(
+      layerError(R"("direction": {"guides": [[[0, 1, 2]]]})"),
+      testing::StartsWith(
+          "layers[0].direction.guides[0]: is a list of 1: give a curve, which is a list of two or more "));
   EXPECT_THAT(
       layerError(R"("direction": {"guides": [[[0, 1, 2], [0, 1]]]})"),
-      testing::StartsWith("layers[0].direction.guides[0][1]: is a list of 2: give a list of 3 values"));
+      testing::StartsWith("layers[0].direction.guides[0][1]: is a list of 2: give a point [x, y, z]"));
   EXPECT_THAT(layerError(R"("direction": {"guides": [[[0, 1, 2], [0, 1, 1e300]]]})"),
               testing::StartsWith("layers[0].direction.guides[0][1][2]: "));
   EXPECT_THAT(layerError(R"("direction": {"guides": {}})"), testing::HasSubstr("guides.lines: is missing"));
+  EXPECT_EQ(layerError(R"("direction": {"guides": {"lines": [[[0, 0, 0], [1, 0, 0]]]}})"),
+            "layers[0].direction.guides.lines: is a list of 1: give the name of a mesh or node of the glTF "
+            "file that "
+            "holds lines; curves given as points stand in \"guides\" itself, [[[x, y, z], ...], ...]");
+  EXPECT_EQ(layerError(R"("direction": {"guides": [[0, 0, 0], [1, 0, 0]]})"),
+            "layers[0].direction.guides[0][0]: is 0: give a point [x, y, z]");
+  EXPECT_EQ(layerError(R"("meshes": "Head")"),
+            "layers[0].meshes: is \"Head\": give a list of one or more values, each the name of a mesh");
   EXPECT_THAT(layerError(R"("direction": {"texture": "gone.png"})"), testing::HasSubstr("gone.png"));
   EXPECT_EQ(layerError(R"("direction": {"axis": [0, 0, -0.0]})"),
             "layers[0].direction.axis: is the zero vector, which points nowhere: give the direction across "
@@ -434,8 +448,10 @@ TEST_F(RecipeTest, OneToSixteenLayers) {
     for (int i = 0; i < count; ++i) text += (i ? ", " : "") + (R"({"name": "l)" + std::to_string(i)) + "\"}";
     return text + "]}";
   };
-  EXPECT_EQ(errorOf(layers(0)), "layers: is a list of 0: give a list of 1 to 16 values, each an object");
-  EXPECT_EQ(errorOf(layers(17)), "layers: is a list of 17: give a list of 1 to 16 values, each an object");
+  EXPECT_EQ(errorOf(layers(0)),
+            "layers: is a list of 0: give a list of 1 to 16 values, each an object with \"name\"");
+  EXPECT_EQ(errorOf(layers(17)),
+            "layers: is a list of 17: give a list of 1 to 16 values, each an object with \"name\"");
   EXPECT_EQ(read(layers(16)).layers.size(), 16u);
 }
 

@@ -68,7 +68,12 @@ TEST(Take, BytesThatToolsAdd) {
        {"\xef\xbb\xbf" + kHead + "00:00:00:00,2,0.5,1e-1",
         std::string("Timecode,BlendshapeCount,JawOpen,BrowInnerUp\r\n00:00:00:00,2,0.5,1e-1\r\n\r\n"),
         std::string("\"Timecode\",\"BlendshapeCount\",\"JawOpen\",\"BrowInnerUp\"\n"
-                    "\"00:00:00:00\",\"2\",\" 0.5 \",\"1e-1\"\n")}) {
+                    "\"00:00:00:00\",\"2\",\" 0.5 \",\"1e-1\"\n"),
+        // As spreadsheets write it, in other languages too.
+        std::string("Timecode;BlendshapeCount;JawOpen;BrowInnerUp\n00:00:00:00;2;0,5;1e-1\n"),
+        std::string("\r\nsep=;\r\nTimecode;BlendshapeCount;JawOpen;BrowInnerUp\r\n00:00:00:00;2;0.5;0,1\r\n"),
+        std::string("Timecode\tBlendshapeCount\tJawOpen\tBrowInnerUp\n00:00:00:00\t2\t0.5\t0.1\n"),
+        std::string("Timecode,BlendshapeCount,JawOpen,BrowInnerUp\r00:00:00:00,2,\"0,5\",0.1\r")}) {
     const Take t = take(text);
     EXPECT_EQ(t.shapes, plain.shapes) << text;
     EXPECT_EQ(t.weights, plain.weights) << text;
@@ -92,6 +97,9 @@ TEST(Take, OfTwoFramesWithOneTimecodeTheLaterCounts) {
 }
 
 TEST(Take, FaultsAreNamedByTheirLine) {
+  EXPECT_EQ(errorOf("\xff\xfeT"), "line 1: it is UTF-16: save it as UTF-8");
+  EXPECT_EQ(errorOf("\n\nsep=;\nTimecode;A\n00:00:00:00;1;2\n").substr(0, 24), "line 5: it has 3 fields,");
+  EXPECT_EQ(errorOf("\n"), "line 2: it is empty: give a CSV file with a Timecode column");
   EXPECT_EQ(errorOf(""), "line 1: it is empty: give a CSV file with a Timecode column");
   EXPECT_EQ(errorOf("A,B\n1,2\n"),
             "line 1: it has no column \"Timecode\": export it from Live Link Face as CSV");

@@ -49,7 +49,7 @@ struct Part {
   uint32_t triangle_begin, triangle_end;
   uint32_t source_vertex_begin;  // where this part's vertices begin in source order
   uint32_t texture_set;          // index into texture_sets, or kAbsent
-  Float4 base_color;             // linear; for previews
+  Float4 base_color;             // linear; for previews. w: opacity, what is behind shows through the rest
   Affine rest;                   // part space -> the scene root's space at rest
   bool has_normals, has_uvs;     // of the source; normals are computed where it had none, UVs are zero
   float roughness;               // [0, 1]; for previews
@@ -135,14 +135,23 @@ struct TextureSet {
   Float4 windows[2 * kMaxLayers];
 };
 
+// What a map shows beyond its borders.
+enum class Wrap : uint8_t {
+  kRepeat = 0,
+  kClamp = 1,   // its outermost texels
+  kMirror = 2,  // every other one turned over
+};
+
 // The model's own maps, for previews; a game has its own. Made only where the source has them and the recipe
 // does not leave them out.
 struct BaseMaps {
   Texture color;       // BC1 or BC3, one slice, times Part::base_color; slices 0: white
-  float color_uv[6];   // m: found at (m[0] u + m[2] v + m[4], m[1] u + m[3] v + m[5]), repeated
+  float color_uv[6];   // m: found at (m[0] u + m[2] v + m[4], m[1] u + m[3] v + m[5])
   float opaque_from;   // nothing is seen where the colour's opacity is below it
   Texture normal;      // BC5, one slice, as TextureSet::normals; slices 0: flat
   float normal_uv[6];  // as color_uv
+  Wrap color_wrap[2];  // across and down the map
+  Wrap normal_wrap[2];
 };
 
 constexpr uint32_t coefficientCount(Measure measure) {
@@ -158,6 +167,9 @@ size_t textureLevelBytes(TextureFormat format, uint32_t width, uint32_t height, 
 // The texel at column x, row y of a slice of a level, as it is stored: each channel in [0, 1], those that the
 // format lacks 0, opacity 1. One at a time: for tools.
 Float4 texelAt(const Texture& texture, uint32_t level, uint32_t slice, uint32_t x, uint32_t y);
+
+// Where in a map, 0 to 1, `at` is found.
+float wrapped(Wrap wrap, float at);
 
 // All spans point into the asset. Vertices are in the asset's own order, which is the decoded one.
 struct AssetView {

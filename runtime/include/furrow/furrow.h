@@ -229,7 +229,7 @@ typedef struct FurrowPartInfo {
   uint32_t vertex_begin, vertex_end, triangle_begin, triangle_end;
   uint32_t source_vertex_begin;
   uint32_t texture_set;  // FURROW_NONE
-  float base_color[4];   // linear
+  float base_color[4];   // linear; opacity last
   float rest[12];        // part space -> root space at rest
 } FurrowPartInfo;
 FURROW_API int32_t furrow_part_info(const FurrowAsset* asset, uint32_t part, FurrowPartInfo* info,

@@ -5,7 +5,8 @@
 // from the vertices, I = |w|, W comes from the asset's shading maps (bilinear, mip-mapped), and a part
 // without maps darkens by the weights of its vertices alone. C0 may be times the model's own colour map.
 // Where that map's opacity, times the part's, is below BaseMaps::opaque_from at a pixel's centre, nothing is
-// there.
+// there. A part whose own opacity (Part::base_color) is below 1 covers some of a pixel's samples
+// (samplesSeen()), so that what is behind it shows without any order.
 //
 // A picture takes three passes, each split over the host's threads as it likes; a pass needs the whole result
 // of the one before:
@@ -61,6 +62,12 @@ constexpr uint32_t rasterTiles(uint32_t width, uint32_t height) {
 // A bit for every triangle and tile: 32 bytes a triangle for a picture of 1024 x 1024.
 constexpr size_t rasterBinWords(uint32_t triangles, uint32_t width, uint32_t height) {
   return size_t{rasterTiles(width, height)} * rasterBatches(triangles) * (kRasterBatch / 64);
+}
+
+// How many of a pixel's samples, the first ones, a surface of that opacity covers: the nearest share.
+constexpr uint32_t samplesSeen(float opacity, uint32_t samples) {
+  if (opacity >= 1.0f) return samples;
+  return opacity > 0.0f ? static_cast<uint32_t>(opacity * static_cast<float>(samples) + 0.5f) : 0;
 }
 
 // A vertex on the screen, as project() leaves it.
