@@ -79,7 +79,8 @@ class PilotSearch {
     for (size_t i = 0; i < order.size(); ++i) {
       const uint32_t bucket = order[i];
       if (buckets_.size(bucket) == 0) break;
-      if (i + kAhead < order.size()) __builtin_prefetch(&buckets_.hashes[buckets_.begins[order[i + kAhead]]]);
+      if (i + kAhead < order.size())
+        __builtin_prefetch(buckets_.hashes.data() + buckets_.begins[order[i + kAhead]]);
       if (placeInFreeRoom(bucket)) continue;
       evicted_.push({buckets_.size(bucket), bucket});
       while (!evicted_.empty()) {
