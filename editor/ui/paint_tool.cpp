@@ -15,6 +15,7 @@ namespace {
 constexpr int kRing = 48;             // points of the brush's circle
 constexpr float kGuideStep = 0.012f;  // of the diagonal, between points of a guide
 constexpr float kGrab = 8.0f;         // pixels from a guide that still mean it
+constexpr float kSeen = 0.1f;         // of a weight or a mask, the least that shows
 constexpr float kMostPlaces = 12.0f;  // that a stroke visits in a frame
 
 Painted paintedBy(Tool tool) {
@@ -30,6 +31,18 @@ bool isWhole(const pipeline::Mask& mask, const AssetView& asset, uint32_t layer)
   if (std::holds_alternative<pipeline::MaskNone>(mask)) return true;
   if (!std::holds_alternative<pipeline::MaskAuto>(mask) || layer == pipeline::kNoIndex) return false;
   return std::ranges::all_of(asset.layers[layer].mask, [](uint8_t m) { return m == 0 || m == 255; });
+}
+
+// Whether bias was painted, and nowhere that the layer reaches.
+bool isOutside(const Layer& layer, std::span<const float> painted) {
+  bool some = false;
+  for (size_t v = 0; v < painted.size(); ++v) {
+    const float before = layer.bias.empty() ? 0.0f : static_cast<float>(layer.bias[v]) / 32767.0f;
+    if (std::abs(painted[v] - before) < kSeen) continue;
+    if (layer.mask.empty() || static_cast<float>(layer.mask[v]) > 255.0f * kSeen) return false;
+    some = true;
+  }
+  return some;
 }
 
 // From behind `from` to `to`, two em apart: a fast hand leaves out nothing of a curved surface.
@@ -131,6 +144,12 @@ void PaintTool::finish(State& state) {
     layer.direction = pipeline::DirectionTexture{file};
   else
     layer.bias = pipeline::Bias{{}, 0, 0.5, file};
+  const uint32_t index = state.layer == layer_ ? state.assetLayer(*shown_) : pipeline::kNoIndex;
+  if (kind_ == Painted::kBias && index != pipeline::kNoIndex &&
+      isOutside(shown_->view().layers[index], values_))
+    session.tell(Message::Kind::kWarning, session.source().string() + ": layer \"" + layer_ +
+                                              "\" does not reach what was painted: paint its mask there, "
+                                              "too, or let it have the whole surface");
   session.document.endGesture();
   session.document.apply(std::move(content), std::string("Paint ") + nameOf(kind_) + " of " + layer.name);
   session.document.endGesture();

@@ -351,6 +351,9 @@ drag viewport 0.42 0.6 0.6 0.6
 wait
 key Ctrl+S
 expect saved
+key B
+drag viewport 0.42 0.3 0.6 0.3
+expect message "does not reach what was painted"
 )");
   const Image mask = pipeline::readImage(folder() / "still_wrinkles_mask.png");
   const auto [least, most] = std::minmax_element(mask.pixels.begin(), mask.pixels.end());
