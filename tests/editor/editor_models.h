@@ -79,7 +79,8 @@ inline std::string editorPair() {
 inline constexpr const char* kEditorRecipe = R"({
   "mapSize": 128,
   "layers": [
-    { "name": "lines", "direction": { "axis": [1, 0, 0] }, "mask": "none", "response": { "lambda": 1, "beta": 4 } },
+    { "name": "lines", "direction": { "axis": [1, 0, 0] }, "mask": "none", "response": { "lambda": 1, "beta": 4 },
+      "compress": { "synthesize": { "preset": "skin" } } },
     { "name": "other", "direction": { "axis": [0, 1, 0] }, "compress": "none" } ] })";
 
 }  // namespace furrow::test
