@@ -432,6 +432,16 @@ TEST(Cook, AMaskCoversWhatAnyPoseSqueezes) {
   }
 }
 
+TEST(Cook, MakesNormalsThatPointOutOfAMirroredMeshToo) {
+  for (const double x : {1.0, -1.0}) {
+    SourceScene scene = sceneOf(sheet(4), [](glm::dvec3 p) { return p; });
+    scene.primitives[0].normals.clear();
+    scene.rig.nodes[0].scale.x = x;
+    const Asset asset = cookAsset(scene, recipeOf({axisLayer({1, 0, 0})}));
+    for (const Float3& n : asset.view().normals) EXPECT_NEAR(n.z, 1.0f, 1e-6f) << x;
+  }
+}
+
 TEST(Cook, ADriverSharesItsGainAmongTheSidesOfItsShape) {
   SourceScene scene = sceneOf(sheet(4), [](glm::dvec3 p) { return p * 0.9; });
   scene.rig.morphs.assign(3, scene.rig.morphs[0]);
