@@ -17,13 +17,13 @@ set ylabel "intensity I(α)" offset 1
 set key bottom right Left reverse samplen 2.4 spacing 1.2 box linecolor rgb "#d8d8d8" opaque
 set arrow 1 from 1,0 to 1,1 nohead dashtype (3,3) linecolor rgb "#909090"
 set title "β = 4"
-plot data."/response.dat" using 1:2 with lines linewidth 2 linecolor rgb "#d95f02" title "λ = 0.8: wrinkles at rest", \
-     "" using 1:3 with lines linewidth 2 linecolor rgb "#222222" title "λ = 1: at the slightest squeeze", \
-     "" using 1:4 with lines linewidth 2 linecolor rgb "#1f78b4" title "λ = 1.25: later"
+plot data."/response.dat" using 1:2 with lines linewidth 2 linecolor rgb "#d95f02" title "λ = 0.8", \
+     "" using 1:3 with lines linewidth 2 linecolor rgb "#222222" title "λ = 1", \
+     "" using 1:4 with lines linewidth 2 linecolor rgb "#1f78b4" title "λ = 1.25"
 set title "λ = 1"
 plot data."/response.dat" using 1:5 with lines linewidth 2 linecolor rgb "#1f78b4" title "β = 2", \
      "" using 1:3 with lines linewidth 2 linecolor rgb "#222222" title "β = 4", \
-     "" using 1:6 with lines linewidth 2 linecolor rgb "#d95f02" title "β = 8: steeper"
+     "" using 1:6 with lines linewidth 2 linecolor rgb "#d95f02" title "β = 8"
 unset multiplot
 unset arrow 1
 
