@@ -1,5 +1,6 @@
 // What `furrow cook` writes beside the asset: the recipe it worked out, the report and the depfile.
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/tool.h"
@@ -9,13 +10,15 @@ namespace {
 
 using nlohmann::json;
 
-// A unit sheet of 8 x 8 quads whose morph target "squeeze" halves it along x.
-std::string sheet() {
+// A unit sheet of 8 x 8 quads, flat or bent to half a cylinder, whose morph target "squeeze" halves it along
+// x.
+std::string sheet(bool bent = false) {
   std::vector<float> positions, uvs, deltas;
   std::vector<uint16_t> indices;
   for (uint16_t y = 0; y <= 8; ++y)
     for (uint16_t x = 0; x <= 8; ++x) {
-      positions.insert(positions.end(), {x / 8.0f, y / 8.0f, 0.0f});
+      const float u = x / 8.0f;
+      positions.insert(positions.end(), {u, y / 8.0f, bent ? std::sqrt(u * (1.0f - u)) : 0.0f});
       uvs.insert(uvs.end(), {x / 8.0f, y / 8.0f});
       deltas.insert(deltas.end(), {x / -16.0f, 0.0f, 0.0f});
       const auto a = static_cast<uint16_t>(y * 9 + x), b = static_cast<uint16_t>(a + 1),
@@ -71,12 +74,18 @@ TEST_F(RecipeTool, TheRecipeItWritesSaysWhatWasWorkedOut) {
   EXPECT_EQ(layer.at("direction"), "animation");
   EXPECT_EQ(layer.at("mask"), "auto");
   const json& map = layer.at("compress").at("synthesize");
-  EXPECT_EQ(map.at("preset"), "skin");  // a morph target squeezes it
+  EXPECT_EQ(map.at("preset"), "cloth");  // flat, whatever squeezes it
   EXPECT_NEAR(map.at("spacing"), std::sqrt(2.0) / 36.0, 1e-5);
+
+  write("sheet.glb", sheet(true));
+  ASSERT_EQ(cook({"--init", init, "--force"}).status, 0);
+  const json bent = json::parse(readText(init)).at("layers").at(0).at("compress").at("synthesize");
+  EXPECT_EQ(bent.at("preset"), "skin");  // a morph target squeezes it
 }
 
 // Whether morph targets squeeze the layer is asked for a height's depth alone, too.
 TEST_F(RecipeTool, AHeightsDepthIsThatOfAFaceWhateverElseIsAsked) {
+  write("sheet.glb", sheet(true));
   write("height.pgm", "P5 2 2 255\n\x10\x80\xc0\xf0");
   const auto depth = [&](const std::string& direction) {
     const std::string recipe =
