@@ -1,9 +1,10 @@
 #pragma once
 
-// A loop that several threads share.
+// Loops that several threads share.
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <mutex>
@@ -43,6 +44,14 @@ void parallelFor(uint32_t count, uint32_t threads, const Run& run) {
   if (error) {
     std::rethrow_exception(error);
   }
+}
+
+// run(begin, end) for ranges that make up [0, count), large enough to be worth a thread.
+template <class Run>
+void parallelRanges(size_t count, uint32_t threads, const Run& run) {
+  constexpr size_t kRange = 4096;
+  parallelFor(static_cast<uint32_t>((count + kRange - 1) / kRange), threads,
+              [&](uint32_t i) { run(i * kRange, std::min(count, (i + 1) * kRange)); });
 }
 
 }  // namespace furrow::pipeline

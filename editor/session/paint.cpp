@@ -70,7 +70,7 @@ Canvas::Canvas(const AssetView& asset, const pipeline::LayerRecipe& layer, uint3
     if (asset.parts[p].has_uvs && named(layer.meshes, asset.parts[p].mesh) &&
         named(layer.materials, asset.parts[p].material))
       parts_.push_back(p);
-  map_ = pipeline::mapTexels(surface_, parts_, {size, size}, kMargin);
+  map_ = pipeline::mapTexels(surface_, pipeline::chartsOf(surface_, parts_), {size, size}, kMargin);
   for (uint32_t i = 0; i < map_.triangle.size(); ++i) {
     const uint32_t t = map_.triangle[i];
     if (t == pipeline::kNoIndex) continue;

@@ -20,8 +20,9 @@ struct SurfacePose {
 };
 
 // `scene` holds the positions that `surface` was made from; `source_vertex` maps surface vertices to source
-// order. Calls visit() for one pose after the other.
+// order. Calls visit() for the poses in their order, several at a time, as many as are worth two threads and
+// 64 MB; from this thread.
 void forEachPose(const SourceScene& scene, const Surface& surface, const std::vector<uint32_t>& source_vertex,
-                 const std::function<void(const SurfacePose&)>& visit);
+                 uint32_t threads, const std::function<void(std::span<const SurfacePose>)>& visit);
 
 }  // namespace furrow::pipeline

@@ -7,6 +7,7 @@
 
 #include "furrow/jobs.h"
 #include "pipeline/legible.h"
+#include "pipeline/parallel.h"
 #include "rest_surface.h"
 
 namespace furrow::pipeline {
@@ -15,6 +16,9 @@ namespace {
 constexpr double kShare = 0.95;
 constexpr double kLeastBeta = 1.0, kMostBeta = 16.0;
 constexpr uint32_t kGap = 16;  // items between two runs that cost less than another run
+
+constexpr size_t kLarge =
+    1'000'000;  // triangles from which on layers are not measured at once, to save memory
 
 struct Run {
   uint32_t begin = 0, end = 0;
@@ -50,7 +54,7 @@ Reach reachOf(const MeasuredLayer& layer, const Rings& rings, size_t triangle_co
 
 std::vector<std::vector<float>> largestAlpha(const SourceScene& scene, const Surface& surface,
                                              const std::vector<uint32_t>& source_vertex, const Rings& rings,
-                                             std::span<const MeasuredLayer> layers) {
+                                             std::span<const MeasuredLayer> layers, uint32_t threads) {
   const size_t points = surface.point_positions.size(), triangles = surface.triangles.size();
   // As much of an asset as the jobs read.
   std::vector<uint32_t> point_vertex(points, kNoIndex), corners;
@@ -74,23 +78,29 @@ std::vector<std::vector<float>> largestAlpha(const SourceScene& scene, const Sur
   for (const MeasuredLayer& layer : layers) reaches.push_back(reachOf(layer, rings, triangles));
 
   std::vector<std::vector<float>> largest(layers.size(), std::vector<float>(points, 1.0f));
-  std::vector<Float3> positions(surface.positions.size());
-  std::vector<float> triangle_q(triangles), q(points);
-  forEachPose(scene, surface, source_vertex, [&](const SurfacePose& pose) {
-    const glm::dvec3 origin = pose.positions[0];
-    for (size_t v = 0; v < positions.size(); ++v) {
-      const glm::vec3 p(pose.positions[v] - origin);
-      positions[v] = {p.x, p.y, p.z};
-    }
-    for (uint32_t l = 0; l < layers.size(); ++l) {
-      for (const Run& run : reaches[l].triangles)
-        CompressJob{&asset, l, positions, 1.0f, triangle_q}.run(run.begin, run.end);
-      for (const Run& run : reaches[l].points) {
-        SmoothJob{&asset, triangle_q, q}.run(run.begin, run.end);
-        for (uint32_t p = run.begin; p < run.end; ++p)
-          largest[l][p] = std::max(largest[l][p], 1.0f / std::max(q[p], kMinQ));
+  std::vector<std::vector<Float3>> posed;
+  forEachPose(scene, surface, source_vertex, threads, [&](std::span<const SurfacePose> poses) {
+    posed.resize(poses.size());
+    parallelFor(static_cast<uint32_t>(poses.size()), threads, [&](uint32_t i) {
+      posed[i].resize(poses[i].positions.size());
+      std::ranges::transform(poses[i].positions, posed[i].begin(), [&](const glm::dvec3& position) {
+        const glm::vec3 p(position - poses[i].positions[0]);
+        return Float3{p.x, p.y, p.z};
+      });
+    });
+    const bool large = triangles > kLarge;
+    parallelFor(static_cast<uint32_t>(layers.size()), large ? 1 : threads, [&](uint32_t l) {
+      std::vector<float> triangle_q(triangles), q(points);
+      for (const std::vector<Float3>& positions : posed) {
+        for (const Run& run : reaches[l].triangles)
+          CompressJob{&asset, l, positions, 1.0f, triangle_q}.run(run.begin, run.end);
+        for (const Run& run : reaches[l].points) {
+          SmoothJob{&asset, triangle_q, q}.run(run.begin, run.end);
+          for (uint32_t p = run.begin; p < run.end; ++p)
+            largest[l][p] = std::max(largest[l][p], 1.0f / std::max(q[p], kMinQ));
+        }
       }
-    }
+    });
   });
   return largest;
 }

@@ -25,7 +25,7 @@ struct MeasuredLayer {
 // runtime's own jobs, from poses that are not quantised as those of an asset are. 1 where nobody asks.
 std::vector<std::vector<float>> largestAlpha(const SourceScene& scene, const Surface& surface,
                                              const std::vector<uint32_t>& source_vertex, const Rings& rings,
-                                             std::span<const MeasuredLayer> layers);
+                                             std::span<const MeasuredLayer> layers, uint32_t threads);
 
 // The alpha that 95% of a layer's area stay at or below. A point's area is a third of that of the `covered`
 // triangles around it, times its mask `strength`. 1 for a layer without area.

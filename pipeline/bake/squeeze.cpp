@@ -6,6 +6,7 @@
 
 #include "pipeline/bake/poses.h"
 #include "pipeline/bake/rest_view.h"
+#include "pipeline/parallel.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -47,7 +48,6 @@ class Meter {
     squeeze_.tensor[t] +=
         glm::vec3(weight * 0.5 * (1.0 + cos2), weight * 0.5 * sin2, weight * 0.5 * (1.0 - cos2));
     squeeze_.peak[t] = std::max(squeeze_.peak[t], static_cast<float>(s));
-    squeeze_.any = true;
     if (by_morph && s > kSeen) squeeze_.by_morph[t] = 1;
   }
 
@@ -74,16 +74,20 @@ TriangleFrame triangleFrame(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
 }
 
 Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
-                       const std::vector<uint32_t>& source_vertex) {
+                       const std::vector<uint32_t>& source_vertex, uint32_t threads) {
   Squeeze squeeze;
   Meter meter(surface, squeeze);
-  forEachPose(scene, surface, source_vertex, [&](const SurfacePose& pose) {
-    for (size_t t = 0; t < surface.triangles.size(); ++t) {
-      const glm::uvec3 c = surface.triangles[t];
-      if (pose.moved[c.x] | pose.moved[c.y] | pose.moved[c.z])
-        meter.measure(t, pose.positions[c.x], pose.positions[c.y], pose.positions[c.z], pose.by_morph);
-    }
+  forEachPose(scene, surface, source_vertex, threads, [&](std::span<const SurfacePose> poses) {
+    parallelRanges(surface.triangles.size(), threads, [&](size_t begin, size_t end) {
+      for (const SurfacePose& pose : poses)
+        for (size_t t = begin; t < end; ++t) {
+          const glm::uvec3 c = surface.triangles[t];
+          if (pose.moved[c.x] | pose.moved[c.y] | pose.moved[c.z])
+            meter.measure(t, pose.positions[c.x], pose.positions[c.y], pose.positions[c.z], pose.by_morph);
+        }
+    });
   });
+  squeeze.any = std::ranges::any_of(squeeze.peak, [](float peak) { return peak > 0.0f; });
   return squeeze;
 }
 

@@ -24,7 +24,7 @@ struct Squeeze {
 // `scene` holds the positions that `surface` was made from; `source_vertex` maps surface vertices to source
 // order.
 Squeeze measureSqueeze(const SourceScene& scene, const Surface& surface,
-                       const std::vector<uint32_t>& source_vertex);
+                       const std::vector<uint32_t>& source_vertex, uint32_t threads);
 
 // Frame of a triangle: origin-free edges e1, e2 in 2D, x along e1.
 struct TriangleFrame {

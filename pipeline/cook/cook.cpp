@@ -166,8 +166,9 @@ class Cook {
       ground_ = memory_.ground;
     } else {
       memory_.forgetScene();
-      ground_ = std::make_shared<Ground>(makeGround(std::move(scene_), recipe_, options_.geometry,
-                                                    recipe_file_, [&](const char* name) { stage(name); }));
+      ground_ =
+          std::make_shared<Ground>(makeGround(std::move(scene_), recipe_, options_.geometry, recipe_file_,
+                                              options_.threads, [&](const char* name) { stage(name); }));
       memory_.ground = ground_;
       memory_.ground_key = key;
     }
@@ -271,8 +272,8 @@ class Cook {
     if (!fitted.empty()) {
       const Surface& surface = ground_->packed.surface;
       const Rings rings = makeRings(restView(surface));
-      const auto alpha =
-          largestAlpha(ground_->scene, surface, ground_->packed.source_vertex, rings, measured);
+      const auto alpha = largestAlpha(ground_->scene, surface, ground_->packed.source_vertex, rings, measured,
+                                      options_.threads);
       for (size_t i = 0; i < fitted.size(); ++i) {
         const BakedLayer& layer = layers[fitted[i]];
         kept_[fitted[i]]->alpha = percentile95(surface, layer.covered, layer.field.strength, alpha[i]);

@@ -42,7 +42,8 @@ Topology topologyOf(const SourceScene& scene, const Weld& weld, const std::vecto
 }  // namespace
 
 Ground makeGround(SourceScene scene, const Recipe& recipe, GeometryCodec codec,
-                  const std::string& recipe_file, const std::function<void(const char*)>& stage) {
+                  const std::string& recipe_file, uint32_t threads,
+                  const std::function<void(const char*)>& stage) {
   Ground ground;
   ground.scene = std::move(scene);
   stage("welding");
@@ -67,7 +68,8 @@ Ground makeGround(SourceScene scene, const Recipe& recipe, GeometryCodec codec,
   release(source_rest);
   stage("measuring the animation");
   if (needsSqueeze(recipe)) {
-    ground.squeeze = measureSqueeze(ground.scene, ground.packed.surface, ground.packed.source_vertex);
+    ground.squeeze =
+        measureSqueeze(ground.scene, ground.packed.surface, ground.packed.source_vertex, threads);
     if (!ground.squeeze.any)
       ground.warnings.push_back(
           "no clip and no morph target squeezes it: wrinkles will only come from bias, region weights and "

@@ -29,7 +29,8 @@ struct Ground {
 
 // `stage` is called before every step. Throws Error (kBadData; names `recipe_file`).
 Ground makeGround(SourceScene scene, const Recipe& recipe, GeometryCodec codec,
-                  const std::string& recipe_file, const std::function<void(const char*)>& stage);
+                  const std::string& recipe_file, uint32_t threads,
+                  const std::function<void(const char*)>& stage);
 
 // All that the ground depends on but the scene; empty where it is read from another file, too.
 std::string groundKey(const Recipe& recipe, GeometryCodec codec);

@@ -142,7 +142,8 @@ class MapBake {
   // Adds a set to the first one that draws at about the same scale into other texels, or to the end.
   void join(std::vector<BakedTextureSet>& sets, BakedTextureSet set) {
     std::vector<bool> texels(size_t{kOverlapSize} * kOverlapSize);
-    const TexelMap map = mapTexels(in_.surface, set.parts, {kOverlapSize, kOverlapSize}, 0);
+    const TexelMap map =
+        mapTexels(in_.surface, chartsOf(in_.surface, set.parts), {kOverlapSize, kOverlapSize}, 0, threads_);
     for (size_t i = 0; i < texels.size(); ++i) texels[i] = map.triangle[i] != kNoIndex;
     const double covered = static_cast<double>(std::count(texels.begin(), texels.end(), true));
     const auto [length, area] = sizeOfUvs(set);
@@ -263,7 +264,7 @@ class MapBake {
     Coverage coverage;
   };
 
-  Masks drawMasks(const BakedTextureSet& set) const {
+  Masks drawMasks(const Charts& charts) const {
     TexelGrid grid;
     for (size_t l = 0; l < layers_.size(); ++l) {
       const ByteImage* image = maskImage(l);
@@ -273,7 +274,7 @@ class MapBake {
     grid.width = std::min(grid.width, mostTexels());
     grid.height = std::min(grid.height, mostTexels());
     Masks masks;
-    masks.texels = mapTexels(in_.surface, set.parts, grid, 2);
+    masks.texels = mapTexels(in_.surface, charts, grid, 2, threads_);
     masks.coverage = coverageOf(masks.texels);
     std::array<ByteImage, 4> drawn;
     for (size_t first = 0; first < layers_.size(); first += 4) {
@@ -390,7 +391,8 @@ class MapBake {
     set.compress_slice.assign(layers_.size(), kAbsent);
     set.stretch_slice.assign(layers_.size(), kAbsent);
     const std::vector<size_t> drawn = drawnIn(set);
-    const Masks masks = drawMasks(set);
+    const Charts charts = chartsOf(in_.surface, set.parts);
+    const Masks masks = drawMasks(charts);
     const double length_of_uv = sizeOfUvs(set).length;
     std::vector<Pose> poses;
     glm::dvec2 wanted(kSizeStep);
@@ -417,8 +419,8 @@ class MapBake {
       pose.grid.width = side(wanted.x);
       pose.grid.height = side(wanted.y);
       if (normals.empty() || texels.grid.low != pose.grid.low || texels.grid.extent != pose.grid.extent)
-        texels = mapTexels(in_.surface, set.parts, pose.grid,
-                           std::max({4u, pose.grid.width / 128, pose.grid.height / 128}));
+        texels = mapTexels(in_.surface, charts, pose.grid,
+                           std::max({4u, pose.grid.width / 128, pose.grid.height / 128}), threads_);
       WrinkleMaps maps = draw(pose, texels);
       pose.image = {};
       normals.push_back(std::move(maps.normal));

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pipeline/bake/bucket_sort.h"
+#include "pipeline/parallel.h"
 #include "pipeline/scene/rig.h"
 
 namespace furrow::pipeline {
@@ -22,9 +23,10 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-// From a corner of a triangle to the next one.
-struct Edge {
-  uint32_t triangle = 0, corner = 0;
+using Edge = Charts::Edge;
+
+struct Rows {
+  uint32_t begin = 0, end = 0;
 };
 
 class Mapper {
@@ -42,7 +44,8 @@ class Mapper {
       next_open_[i] = static_cast<uint32_t>(i % (grid.width + size_t{1}));
   }
 
-  void fill(uint32_t triangle) {
+  // Both touch the texels of `rows` alone.
+  void fill(uint32_t triangle, const Rows& rows) {
     Corners c;
     if (!corners(triangle, c)) {
       return;
@@ -53,7 +56,7 @@ class Mapper {
     }
     const double slack = kBandSlack + kInsideSlack * (std::abs(c[1].x - c[0].x) + std::abs(c[2].x - c[0].x) +
                                                       std::abs(c[1].y - c[0].y) + std::abs(c[2].y - c[0].y));
-    visit({Segment{c[0], c[1]}, Segment{c[1], c[2]}, Segment{c[2], c[0]}}, slack,
+    visit({Segment{c[0], c[1]}, Segment{c[1], c[2]}, Segment{c[2], c[0]}}, slack, rows,
           [&](size_t texel, const glm::dvec2& p) {
             const double b1 = cross(p - c[0], c[2] - c[0]) / area;
             const double b2 = cross(c[1] - c[0], p - c[0]) / area;
@@ -64,7 +67,7 @@ class Mapper {
           });
   }
 
-  void dilate(const Edge& edge, double margin) {
+  void dilate(const Edge& edge, double margin, const Rows& rows) {
     Corners c;
     if (!corners(edge.triangle, c)) {
       return;
@@ -72,7 +75,7 @@ class Mapper {
     const uint32_t next = (edge.corner + 1) % 3;
     const glm::dvec2 from = c[edge.corner], along = c[next] - from;
     const double length2 = glm::dot(along, along);
-    visit({Segment{from, c[next]}}, margin + kBandSlack, [&](size_t texel, const glm::dvec2& at) {
+    visit({Segment{from, c[next]}}, margin + kBandSlack, rows, [&](size_t texel, const glm::dvec2& at) {
       const glm::dvec2 p = at - from;
       const double t = length2 > 0.0 ? std::clamp(glm::dot(p, along) / length2, 0.0, 1.0) : 0.0;
       const glm::dvec2 gap = p - along * t;
@@ -112,23 +115,23 @@ class Mapper {
 
   using Segment = std::array<glm::dvec2, 2>;
 
-  // The texels within no triangle yet whose centres, moved by a period or not, are within `margin` of the
-  // segments or between them in their row. UVs that thousands of triangles share stay cheap so.
+  // The texels of `rows` within no triangle yet whose centres, moved by a period or not, are within `margin`
+  // of the segments or between them in their row. UVs that thousands of triangles share stay cheap so.
   template <size_t kSegments, class Do>
-  void visit(const Segment (&segments)[kSegments], double margin, Do&& visit_texel) {
+  void visit(const Segment (&segments)[kSegments], double margin, const Rows& rows, Do&& visit_texel) {
     double low_y = kFar, high_y = -kFar;
     for (const Segment& s : segments) {
       low_y = std::min({low_y, s[0].y, s[1].y});
       high_y = std::max({high_y, s[0].y, s[1].y});
     }
-    const auto range = [](double low, double high, uint32_t count) {
+    const auto range = [](double low, double high, double begin, double end) {
       return std::array<int64_t, 2>{
-          static_cast<int64_t>(std::ceil(std::clamp(low, 0.0, static_cast<double>(count)))),
-          static_cast<int64_t>(std::floor(std::clamp(high, -1.0, count - 1.0)))};
+          static_cast<int64_t>(std::ceil(std::clamp(low, begin, end))),
+          static_cast<int64_t>(std::floor(std::clamp(high, begin - 1.0, end - 1.0)))};
     };
     for (const double down : {0.0, 1.0, -1.0}) {
       const double moved_y = down * period_.y;
-      const auto [y0, y1] = range(low_y - margin - moved_y, high_y + margin - moved_y, grid_.height);
+      const auto [y0, y1] = range(low_y - margin - moved_y, high_y + margin - moved_y, rows.begin, rows.end);
       for (int64_t y = y0; y <= y1; ++y) {
         const auto row = static_cast<size_t>(y);
         if (open(row, 0) == grid_.width) continue;
@@ -149,7 +152,7 @@ class Mapper {
         }
         for (const double right : {0.0, 1.0, -1.0}) {
           const double moved_x = right * period_.x;
-          const auto [x0, x1] = range(low_x - margin - moved_x, high_x + margin - moved_x, grid_.width);
+          const auto [x0, x1] = range(low_x - margin - moved_x, high_x + margin - moved_x, 0, grid_.width);
           for (int64_t x = x0; x <= x1; ++x) {
             x = static_cast<int64_t>(open(row, static_cast<size_t>(x)));
             if (x > x1) break;
@@ -203,18 +206,15 @@ bool lieApart(const Surface& surface, const Edge& a, const Edge& b) {
 
 }  // namespace
 
-TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, const TexelGrid& grid,
-                   uint32_t margin) {
-  Mapper mapper(surface, grid);
-  const double reach = std::max(static_cast<double>(margin), kHalfDiagonal);
-  // In the order of the triangles: the first one that has a texel keeps it.
+Charts chartsOf(const Surface& surface, std::span<const uint32_t> parts) {
   std::vector<uint32_t> ordered(parts.begin(), parts.end());
   std::sort(ordered.begin(), ordered.end());
+  Charts charts;
   for (const uint32_t index : ordered) {
     const SurfacePart& part = surface.parts[index];
-    for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t) {
-      mapper.fill(t);
-    }
+    Charts::OfPart& out = charts.parts.emplace_back();
+    out.triangle_begin = part.triangle_begin;
+    out.triangle_end = part.triangle_end;
     // A chart ends at an edge that does not have exactly one triangle on either side.
     const auto edgeOf = [&](uint32_t number) { return Edge{part.triangle_begin + number / 3, number % 3}; };
     const auto ends = [&](uint32_t number) {
@@ -230,10 +230,32 @@ TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, cons
       }
       const bool inside = end - edge == 2 && lieApart(surface, edgeOf(edge[0]), edgeOf(edge[1]));
       for (; edge != end && !inside; ++edge) {
-        mapper.dilate(edgeOf(*edge), reach);
+        out.borders.push_back(edgeOf(*edge));
       }
     }
   }
+  return charts;
+}
+
+TexelMap mapTexels(const Surface& surface, const Charts& charts, const TexelGrid& grid, uint32_t margin,
+                   uint32_t threads) {
+  Mapper mapper(surface, grid);
+  const double reach = std::max(static_cast<double>(margin), kHalfDiagonal);
+  parallelFor(threads, threads, [&](uint32_t i) {
+    const auto at = [&](uint32_t band) {
+      return static_cast<uint32_t>(uint64_t{grid.height} * band / threads);
+    };
+    const Rows rows{at(i), at(i + 1)};
+    // In the order of the triangles: the first one that has a texel keeps it.
+    for (const Charts::OfPart& part : charts.parts) {
+      for (uint32_t t = part.triangle_begin; t < part.triangle_end; ++t) {
+        mapper.fill(t, rows);
+      }
+      for (const Edge& edge : part.borders) {
+        mapper.dilate(edge, reach, rows);
+      }
+    }
+  });
   return mapper.take();
 }
 

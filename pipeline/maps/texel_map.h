@@ -28,10 +28,23 @@ struct TexelMap {
   std::vector<glm::vec2> barycentric;  // of corners 1 and 2
 };
 
+// The charts of some parts: their triangles, and the edges where they end.
+struct Charts {
+  struct Edge {  // from a corner of a triangle to the next one
+    uint32_t triangle = 0, corner = 0;
+  };
+  struct OfPart {
+    uint32_t triangle_begin = 0, triangle_end = 0;
+    std::vector<Edge> borders;
+  };
+  std::vector<OfPart> parts;  // in the order of their triangles
+};
+Charts chartsOf(const Surface& surface, std::span<const uint32_t> parts);
+
 // Of a triangle larger than the unit square, one period is mapped. Where charts overlap, the triangle of the
 // lowest index has the texel. Triangles whose UVs are not finite are left out.
-TexelMap mapTexels(const Surface& surface, std::span<const uint32_t> parts, const TexelGrid& grid,
-                   uint32_t margin);
+TexelMap mapTexels(const Surface& surface, const Charts& charts, const TexelGrid& grid, uint32_t margin,
+                   uint32_t threads = 1);
 
 // The vertices' tangent frame at a place of the surface; none where opposite tangents meet.
 struct TangentFrame {

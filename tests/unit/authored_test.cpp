@@ -135,7 +135,7 @@ TEST_F(AuthoredTest, HeightsHaveTheirSlopeOnTheSurface) {
   const double depth = 0.1;
   for (const bool mirrored : {false, true}) {
     const Surface surface = sheet(mirrored);
-    const TexelMap texels = mapTexels(surface, kPart, {size, size}, 2);
+    const TexelMap texels = mapTexels(surface, chartsOf(surface, kPart), {size, size}, 2);
     const WrinkleMaps maps = mapsFromHeights(wave, surface, texels, depth);
     for (uint32_t y = 0; y < size; y += 7) {
       for (uint32_t x = 0; x < size; x += 7) {
@@ -155,9 +155,11 @@ TEST_F(AuthoredTest, AWindowShowsItsPartOfTheHeights) {
   const Image wave =
       heights(64, [](double u, double v) { return 0.5 + 0.25 * std::sin(kTurn * u) * std::cos(kTurn * v); });
   const Surface surface = sheet(false);
-  const WrinkleMaps whole = mapsFromHeights(wave, surface, mapTexels(surface, kPart, {64, 64}, 2), 0.2);
+  const WrinkleMaps whole =
+      mapsFromHeights(wave, surface, mapTexels(surface, chartsOf(surface, kPart), {64, 64}, 2), 0.2);
   const WrinkleMaps part = mapsFromHeights(
-      wave, surface, mapTexels(surface, kPart, {16, 24, {0.875, 0.25}, {0.25, 0.375}}, 2), 0.2);
+      wave, surface, mapTexels(surface, chartsOf(surface, kPart), {16, 24, {0.875, 0.25}, {0.25, 0.375}}, 2),
+      0.2);
   for (uint32_t y = 0; y < 24; ++y)
     for (uint32_t x = 0; x < 16; ++x)
       for (uint32_t c = 0; c < 2; ++c)
@@ -168,7 +170,7 @@ TEST_F(AuthoredTest, ShadingIsDarkInValleysOnly) {
   const uint32_t size = 128;
   const Image wave = heights(size, [](double u, double) { return 0.5 + 0.3 * std::cos(kTurn * 8.0 * u); });
   const Surface surface = sheet(false);
-  const TexelMap texels = mapTexels(surface, kPart, {size, size}, 2);
+  const TexelMap texels = mapTexels(surface, chartsOf(surface, kPart), {size, size}, 2);
   const WrinkleMaps from_heights = mapsFromHeights(wave, surface, texels, 0.02);
   Image slopes{size, size, 2, {}};
   for (size_t i = 0; i < from_heights.normal.pixels.size(); i += 2) {
@@ -198,7 +200,7 @@ TEST_F(AuthoredTest, LimitsCutNormalsOffWithoutTurningThem) {
 TEST_F(AuthoredTest, LitShadingIsTheLightThatIsMissing) {
   for (const bool mirrored : {false, true}) {
     const Surface surface = sheet(mirrored);
-    const TexelMap texels = mapTexels(surface, kPart, {4, 4}, 2);
+    const TexelMap texels = mapTexels(surface, chartsOf(surface, kPart), {4, 4}, 2);
     const float right = mirrored ? -1.0f : 1.0f;
     Image normal{4, 4, 2, std::vector<float>(32, 0.0f)};
     normal.pixels[2] = 0.6f * right;  // faces +x

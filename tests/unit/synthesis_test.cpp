@@ -29,7 +29,8 @@ const std::vector<uint32_t> kPart = {0};
 
 SynthesizedMaps draw(const Surface& surface, const LayerField& field, const SynthesisSettings& settings,
                      uint32_t size, uint32_t threads = 2) {
-  return Synthesis(surface, field, settings).draw(mapTexels(surface, kPart, {size, size}, 4), threads);
+  return Synthesis(surface, field, settings)
+      .draw(mapTexels(surface, chartsOf(surface, kPart), {size, size}, 4), threads);
 }
 
 SynthesisSettings skin(double spacing) {
@@ -211,8 +212,10 @@ TEST(Synthesis, TheSameAtAnySize) {
   const Surface surface = sheet();
   const auto field = along(surface, {0.2f, 1, 0});
   const Synthesis synthesis(surface, field, skin(0.08));
-  const SynthesizedMaps small = synthesis.draw(mapTexels(surface, kPart, {512, 512}, 4), 2),
-                        large = synthesis.draw(mapTexels(surface, kPart, {1024, 1024}, 4), 2);
+  const SynthesizedMaps small =
+                            synthesis.draw(mapTexels(surface, chartsOf(surface, kPart), {512, 512}, 4), 2),
+                        large =
+                            synthesis.draw(mapTexels(surface, chartsOf(surface, kPart), {1024, 1024}, 4), 2);
   for (uint32_t y = 0; y < 512; ++y) {
     for (uint32_t x = 0; x < 512; ++x) {
       const float mean =

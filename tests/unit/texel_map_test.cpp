@@ -40,7 +40,7 @@ const std::vector<uint32_t> kFirst = {0};
 
 TEST(TexelMap, FullSquareIsCoveredByItsCentres) {
   const Surface surface = surfaceOf({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}});
-  const TexelMap map = mapTexels(surface, kFirst, {16, 16}, 0);
+  const TexelMap map = mapTexels(surface, chartsOf(surface, kFirst), {16, 16}, 0);
   for (uint32_t y = 0; y < 16; ++y) {
     for (uint32_t x = 0; x < 16; ++x) {
       ASSERT_NE(map.triangle[y * 16 + x], kNoIndex);
@@ -55,7 +55,7 @@ TEST(TexelMap, DilatesToTheNearestPointOfTheChart) {
       surfaceOf({{0.31f, 0.29f}, {0.72f, 0.35f}, {0.55f, 0.70f}, {0.28f, 0.52f}}, {{0, 1, 2}, {0, 2, 3}});
   const uint32_t size = 32;
   for (const uint32_t margin : {0u, 1u, 4u}) {
-    const TexelMap map = mapTexels(surface, kFirst, {size, size}, margin);
+    const TexelMap map = mapTexels(surface, chartsOf(surface, kFirst), {size, size}, margin);
     for (uint32_t y = 0; y < size; ++y) {
       for (uint32_t x = 0; x < size; ++x) {
         const glm::vec2 centre = centreOf(x, y, size);
@@ -86,10 +86,10 @@ TEST(TexelMap, DilatesToTheNearestPointOfTheChart) {
 
 TEST(TexelMap, ChartsSmallerThanATexelAreCovered) {
   const Surface surface = surfaceOf({{0.51f, 0.51f}, {0.52f, 0.51f}, {0.51f, 0.52f}}, {{0, 1, 2}});
-  const TexelMap map = mapTexels(surface, kFirst, {8, 8}, 0);
+  const TexelMap map = mapTexels(surface, chartsOf(surface, kFirst), {8, 8}, 0);
   EXPECT_EQ(map.triangle[4 * 8 + 4], 0u);
   const Surface line = surfaceOf({{0.1f, 0.1f}, {0.9f, 0.1f}, {0.5f, 0.1f}}, {{0, 1, 2}});
-  EXPECT_EQ(mapTexels(line, kFirst, {8, 8}, 0).triangle[4], 0u);
+  EXPECT_EQ(mapTexels(line, chartsOf(line, kFirst), {8, 8}, 0).triangle[4], 0u);
 }
 
 // As when every face of a mesh shows the whole image; a thousand times as long as one would take for ever.
@@ -105,10 +105,10 @@ TEST(TexelMap, UvsSharedByThousandsOfTrianglesShowTheFirst) {
       if (shape.size() == 4) triangles.emplace_back(first, first + 2, first + 3);
     }
   const Surface surface = surfaceOf(uvs, triangles);
-  const TexelMap map = mapTexels(surface, kFirst, {1024, 1024}, 8);
+  const TexelMap map = mapTexels(surface, chartsOf(surface, kFirst), {1024, 1024}, 8);
   for (const uint32_t triangle : map.triangle) ASSERT_LT(triangle, 2u);
   const Surface halves = surfaceOf({{0, 0}, {1, 0}, {0, 1}, {0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}, {3, 4, 5}});
-  for (const uint32_t triangle : mapTexels(halves, kFirst, {64, 64}, 2).triangle)
+  for (const uint32_t triangle : mapTexels(halves, chartsOf(halves, kFirst), {64, 64}, 2).triangle)
     ASSERT_TRUE(triangle == 0 || triangle == kNoIndex);
 }
 
@@ -118,25 +118,26 @@ TEST(TexelMap, UvsRepeat) {
   for (glm::vec2& uv : away.uvs) {
     uv += glm::vec2(-3.0f, 5.0f);
   }
-  EXPECT_EQ(mapTexels(home, kFirst, {64, 64}, 2).triangle, mapTexels(away, kFirst, {64, 64}, 2).triangle);
+  EXPECT_EQ(mapTexels(home, chartsOf(home, kFirst), {64, 64}, 2).triangle,
+            mapTexels(away, chartsOf(away, kFirst), {64, 64}, 2).triangle);
 
   // Across the border of the tile, and a triangle of a million tiles, which must not take a million times as
   // long.
   const Surface across = surfaceOf({{0.9f, 0.4f}, {1.1f, 0.4f}, {1.1f, 0.6f}}, {{0, 1, 2}});
-  const TexelMap map = mapTexels(across, kFirst, {32, 32}, 0);
+  const TexelMap map = mapTexels(across, chartsOf(across, kFirst), {32, 32}, 0);
   EXPECT_EQ(map.triangle[14 * 32 + 1], 0u);
   // Margins reach across it too, to every side.
   const Surface corner = surfaceOf({{0.0f, 0.0f}, {0.1f, 0.0f}, {0.0f, 0.1f}}, {{0, 1, 2}});
-  const TexelMap around = mapTexels(corner, kFirst, {32, 32}, 2);
+  const TexelMap around = mapTexels(corner, chartsOf(corner, kFirst), {32, 32}, 2);
   for (const size_t texel : {31 * 32 + 31, 0 * 32 + 31, 31 * 32 + 0, 0 * 32 + 0})
     EXPECT_EQ(around.triangle[texel], 0u) << texel;
   const Surface huge = surfaceOf({{0, 0}, {1e6f, 0}, {0, 1e6f}}, {{0, 1, 2}});
-  EXPECT_EQ(mapTexels(huge, kFirst, {32, 32}, 8).triangle[100], 0u);
+  EXPECT_EQ(mapTexels(huge, chartsOf(huge, kFirst), {32, 32}, 8).triangle[100], 0u);
 }
 
 TEST(TexelMap, BadUvsAreLeftOut) {
   const Surface surface = surfaceOf({{NAN, 0}, {1, 0}, {0, INFINITY}}, {{0, 1, 2}});
-  for (const uint32_t t : mapTexels(surface, kFirst, {8, 8}, 2).triangle) {
+  for (const uint32_t t : mapTexels(surface, chartsOf(surface, kFirst), {8, 8}, 2).triangle) {
     EXPECT_EQ(t, kNoIndex);
   }
 }
@@ -144,7 +145,8 @@ TEST(TexelMap, BadUvsAreLeftOut) {
 // Measured in such a window, the triangle lies further out than integers count.
 TEST(TexelMap, AWindowMayBeTiny) {
   const Surface surface = surfaceOf({{0, 0}, {0.1f, 0}, {0, 0.1f}}, {{0, 1, 2}});
-  for (const uint32_t t : mapTexels(surface, kFirst, {8, 8, {0.5, 0.5}, {1e-20, 1e-20}}, 2).triangle) {
+  for (const uint32_t t :
+       mapTexels(surface, chartsOf(surface, kFirst), {8, 8, {0.5, 0.5}, {1e-20, 1e-20}}, 2).triangle) {
     EXPECT_EQ(t, kNoIndex);
   }
 }
@@ -155,9 +157,9 @@ TEST(TexelMap, AWindowIsAPartOfTheWhole) {
   const Surface surface =
       surfaceOf({{0.8f, -0.3f}, {1.15f, 0.1f}, {0.95f, 0.15f}, {0.4f, 0.5f}, {0.6f, 0.5f}, {0.5f, 0.9f}},
                 {{0, 1, 2}, {3, 4, 5}});
-  const TexelMap whole = mapTexels(surface, kFirst, {64, 64}, 3);
-  const TexelMap window =
-      mapTexels(surface, kFirst, {20, 12, {54.0 / 64.0, 58.0 / 64.0}, {20.0 / 64.0, 12.0 / 64.0}}, 3);
+  const TexelMap whole = mapTexels(surface, chartsOf(surface, kFirst), {64, 64}, 3);
+  const TexelMap window = mapTexels(surface, chartsOf(surface, kFirst),
+                                    {20, 12, {54.0 / 64.0, 58.0 / 64.0}, {20.0 / 64.0, 12.0 / 64.0}}, 3);
   size_t covered = 0;
   for (uint32_t y = 0; y < 12; ++y) {
     for (uint32_t x = 0; x < 20; ++x) {
@@ -177,7 +179,7 @@ TEST(TexelMap, AWindowIsAPartOfTheWhole) {
 TEST(TexelMap, ChartsFoldedOntoEachOtherEndAtTheFold) {
   const Surface surface =
       surfaceOf({{0.5f, 0.25f}, {0.5f, 0.75f}, {0.25f, 0.5f}, {0.25f, 0.5f}}, {{0, 1, 2}, {1, 0, 3}});
-  const TexelMap map = mapTexels(surface, kFirst, {32, 32}, 3);
+  const TexelMap map = mapTexels(surface, chartsOf(surface, kFirst), {32, 32}, 3);
   EXPECT_EQ(map.triangle[16 * 32 + 14], 0u);  // the lowest index has the overlap
   EXPECT_NE(map.triangle[16 * 32 + 18], kNoIndex);
   EXPECT_EQ(map.triangle[16 * 32 + 20], kNoIndex);
