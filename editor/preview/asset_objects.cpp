@@ -80,6 +80,18 @@ GlObject makeTexture(const Texture& texture) {
   return object;
 }
 
+void fillMask(uint32_t texture, const pipeline::ByteImage& image) {
+  std::vector<uint8_t> plane;
+  for (size_t i = 0; i < image.pixels.size(); i += image.channels) plane.push_back(image.pixels[i]);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, static_cast<GLsizei>(image.width), static_cast<GLsizei>(image.height),
+               0, GL_RED, GL_UNSIGNED_BYTE, plane.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
 AssetObjects::AssetObjects(const AssetView& asset, AssetObjects* before) : asset_(asset) {
   for (const TextureSet& set : asset.texture_sets)
     texture_sets.push_back({map(set.normals, before), map(set.shading, before), map(set.masks, before)});
@@ -135,7 +147,9 @@ void AssetObjects::makeMaterials() {
       std::memcpy(material.windows, set.windows, sizeof material.windows);
       for (uint32_t l = 0; l < asset_.layerCount(); ++l)
         material.slices[l] = {set.compress_slice[l], set.stretch_slice[l],
-                              material.with_masks && l != unmasked_ ? asset_.layers[l].mask_slice : kAbsent,
+                              material.with_masks && !(l == painted_layer_ && painted_[p])
+                                  ? asset_.layers[l].mask_slice
+                                  : kAbsent,
                               0};
     }
     std::memcpy(&bytes[p * material_stride], &material, sizeof material);
@@ -146,14 +160,20 @@ void AssetObjects::makeMaterials() {
 void AssetObjects::makeMasks() {
   std::vector<uint8_t> bytes(size_t{asset_.vertexCount()} * kMaxLayers, 255);
   for (size_t l = 0; l < asset_.layers.size(); ++l)
-    for (size_t v = 0; v < asset_.layers[l].mask.size() && l != unmasked_; ++v)
+    for (size_t v = 0; v < asset_.layers[l].mask.size() && l != painted_layer_; ++v)
       bytes[v * kMaxLayers + l] = asset_.layers[l].mask[v];
+  for (size_t p = 0; p < asset_.parts.size() && painted_layer_ != kAbsent; ++p)
+    for (uint32_t v = asset_.parts[p].vertex_begin; v < asset_.parts[p].vertex_end && !painted_[p]; ++v)
+      bytes[size_t{v} * kMaxLayers + painted_layer_] = 0;
   masks = makeBuffer(std::as_bytes(std::span(bytes)));
 }
 
-void AssetObjects::unmask(uint32_t layer) {
-  if (layer == unmasked_) return;
-  unmasked_ = layer;
+void AssetObjects::paint(uint32_t layer, std::span<const uint32_t> parts) {
+  std::vector<bool> painted(asset_.parts.size());
+  for (const uint32_t part : parts) painted[part] = true;
+  if (layer == painted_layer_ && (layer == kAbsent || painted == painted_)) return;
+  painted_layer_ = layer;
+  painted_ = std::move(painted);
   makeMasks();
   makeMaterials();
 }

@@ -2,12 +2,17 @@
 
 // What OpenGL holds of an asset to draw it: its maps, its surface, its materials.
 
+#include <span>
 #include <vector>
 
 #include "editor/preview/gl_objects.h"
 #include "furrow/asset.h"
+#include "pipeline/maps/image.h"
 
 namespace furrow::preview {
+
+// The first channel of an image becomes a texture's only one.
+void fillMask(uint32_t texture, const pipeline::ByteImage& image);
 
 class AssetObjects {
  public:
@@ -30,9 +35,10 @@ class AssetObjects {
   GlObject materials;  // blocks Material of the parts, `material_stride` bytes apart
   uint32_t material_stride = 0;
 
-  // From here on masks and materials leave the mask of `layer` out; kAbsent: of none.
-  void unmask(uint32_t layer);
-  uint32_t unmasked() const { return unmasked_; }
+  // From here on `layer` has another mask: 1 on `parts`, for a painted one to be put over it, and 0
+  // elsewhere; kAbsent: all have their own.
+  void paint(uint32_t layer, std::span<const uint32_t> parts);
+  bool painted(size_t part) const { return painted_layer_ != kAbsent && painted_[part]; }
 
  private:
   struct Map {
@@ -46,7 +52,8 @@ class AssetObjects {
 
   const AssetView& asset_;
   std::vector<Map> maps_;
-  uint32_t unmasked_ = kAbsent;
+  uint32_t painted_layer_ = kAbsent;
+  std::vector<bool> painted_;  // a part
 };
 
 // A texture array with all its levels.

@@ -28,15 +28,10 @@ UploadedFrame::UploadedFrame(const AssetView& asset) : frame_(asset) {
   for (GlObject& buffer : buffers_) buffer = GlObject(GlKind::kBuffer);
 }
 
-PosedBuffers UploadedFrame::run(const FrameInput& input, uint32_t layer, std::span<const float> mask,
-                                StageTimes* times) {
+PosedBuffers UploadedFrame::run(const FrameInput& input, StageTimes* times) {
   frame_.run(input, times);
   StageClock clock(times);
   const size_t stride = frame_.weights.size() / std::max<size_t>(frame_.positions.size(), 1);
-  for (size_t v = 0; v < mask.size(); ++v) {
-    int16_t& weight = frame_.weights[v * stride + layer];
-    weight = static_cast<int16_t>(std::lround(mask[v] * static_cast<float>(weight)));
-  }
   refill(buffers_[0], std::as_bytes(std::span(frame_.positions)));
   refill(buffers_[1], std::as_bytes(std::span(frame_.normals)));
   refill(buffers_[2], std::as_bytes(std::span(frame_.tangents)));

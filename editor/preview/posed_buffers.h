@@ -26,8 +26,7 @@ class UploadedFrame {
  public:
   explicit UploadedFrame(const AssetView& asset);
 
-  // `mask`: a value a vertex that the weights of `layer` are multiplied by, or empty.
-  PosedBuffers run(const FrameInput& input, uint32_t layer, std::span<const float> mask, StageTimes* times);
+  PosedBuffers run(const FrameInput& input, StageTimes* times);
 
  private:
   CpuFrame frame_;

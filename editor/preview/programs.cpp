@@ -29,10 +29,12 @@ uint32_t Programs::shadow(bool holes) {
   return program;
 }
 
-uint32_t Programs::surface(const RenderOptions& options, bool maps, bool base_color, bool base_normal) {
+uint32_t Programs::surface(const RenderOptions& options, bool maps, bool base_color, bool base_normal,
+                           bool painted) {
   // Only the beauty view knows shadings.
   const Shading shading = options.view == View::kBeauty ? options.shading : Shading::kNone;
-  GlObject& program = surface_[{options.view, shading, options.lighting, maps, base_color, base_normal}];
+  GlObject& program =
+      surface_[{options.view, shading, options.lighting, maps, base_color, base_normal, painted}];
   if (program) return program;
   const auto truth = [](bool value) { return value ? "true" : "false"; };
   const std::string constants =
@@ -40,7 +42,8 @@ uint32_t Programs::surface(const RenderOptions& options, bool maps, bool base_co
       "u;\nconst uint kShading = " + std::to_string(static_cast<uint32_t>(shading)) +
       "u;\nconst bool kBlinn = " + truth(options.lighting == Lighting::kBlinn) +
       ";\nconst bool kMaps = " + truth(maps) + ";\nconst bool kBaseColor = " + truth(base_color) +
-      ";\nconst bool kBaseNormal = " + truth(base_normal) + ";\n";
+      ";\nconst bool kBaseNormal = " + truth(base_normal) + ";\nconst bool kPainted = " + truth(painted) +
+      ";\n";
   program = makeProgram("surface", {constants.c_str(), shaders::kSurfaceVertex}, {},
                         {constants.c_str(), shaders::kSurfaceMaps, shaders::kFurrowShade, shaders::kLighting,
                          shaders::kSurfaceFragment});
@@ -48,6 +51,7 @@ uint32_t Programs::surface(const RenderOptions& options, bool maps, bool base_co
   glUniform1i(glGetUniformLocation(program, "normal_maps"), kNormalMaps);
   glUniform1i(glGetUniformLocation(program, "shading_maps"), kShadingMaps);
   glUniform1i(glGetUniformLocation(program, "mask_maps"), kMaskMaps);
+  glUniform1i(glGetUniformLocation(program, "painted_mask"), kPaintedMask);
   glUniform1i(glGetUniformLocation(program, "shadow_map"), kShadowMap);
   glUniform1i(glGetUniformLocation(program, "base_color_map"), kBaseColorMap);
   glUniform1i(glGetUniformLocation(program, "base_normal_map"), kBaseNormalMap);

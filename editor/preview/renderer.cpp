@@ -45,6 +45,7 @@ struct Renderer::State {
               PosedBuffers& out);
   void bindSurface(const PosedBuffers& posed) const;
   void bindValues(const FrameInput& input, const RenderOptions& options);
+  void takeMask(const RenderOptions& options);
   void fillScene(const RenderOptions& options, uint32_t weighed);
   void bindMaterial(size_t part) const;
   void drawShadow(const RenderOptions& options);
@@ -54,8 +55,9 @@ struct Renderer::State {
   // Of the context.
   const uint32_t generation = objectGeneration();
   Programs programs;
-  GlObject vertex_array, values, stroke_indices, scene_buffer, shadow_map, shadow_frame, empty_map;
+  GlObject vertex_array, values, stroke_indices, scene_buffer, shadow_map, shadow_frame, empty_map, mask_map;
   std::unique_ptr<PictureTarget> target;
+  std::shared_ptr<const pipeline::ByteImage> mask;  // that is painted, in mask_map
 
   // Of the asset.
   std::vector<Layer> layers;
@@ -85,6 +87,8 @@ Renderer::State::State()
   // A sampler must have a complete texture even where nothing is read from it.
   const std::array<std::byte, 4> texel{};
   empty_map = makeTexture({TextureFormat::kRgba8, 1, 1, 1, 1, texel});
+  mask_map = GlObject(GlKind::kTexture);
+  fillMask(mask_map, {1, 1, 1, {0}});
 }
 
 void Renderer::State::show(const AssetView& shown) {
@@ -119,23 +123,19 @@ void Renderer::State::makeShadowMap() {
 
 PosedBuffers Renderer::State::poseOnCpu(const FrameInput& input, const RenderOptions& options) {
   if (!cpu) cpu = std::make_unique<UploadedFrame>(asset);
-  const std::span<const float> mask =
-      objects->unmasked() == kAbsent ? std::span<const float>() : options.mask;
-  if (options.bias.empty()) return cpu->run(input, options.layer, mask, options.times);
+  if (options.bias.empty()) return cpu->run(input, options.times);
   std::vector<int16_t> painted;
   for (const float value : options.bias)
     painted.push_back(static_cast<int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f)));
   std::span<const int16_t>& bias = layers[options.layer].bias;
   const std::span<const int16_t> own = std::exchange(bias, painted);
-  const PosedBuffers posed = cpu->run(input, options.layer, mask, options.times);
+  const PosedBuffers posed = cpu->run(input, options.times);
   bias = own;
   return posed;
 }
 
 Status Renderer::State::pose(const FrameInput& input, const RenderOptions& options, Tier tier,
                              gl::ResetStatus lost, PosedBuffers& out) {
-  const bool masked = tier == Tier::kCpu && options.view == View::kBeauty && !options.mask.empty();
-  objects->unmask(masked ? options.layer : kAbsent);
   if (tier == Tier::kCpu) {
     out = poseOnCpu(input, options);
     return {};
@@ -170,6 +170,14 @@ void Renderer::State::bindSurface(const PosedBuffers& posed) const {
       glVertexAttrib4f(kWeights + i, 0.0f, 0.0f, 0.0f, 0.0f);
     }
   }
+}
+
+void Renderer::State::takeMask(const RenderOptions& options) {
+  objects->paint(options.mask ? options.layer : kAbsent,
+                 options.mask ? options.mask_parts : std::span<const uint32_t>());
+  if (options.mask == mask) return;
+  mask = options.mask;
+  if (mask) fillMask(mask_map, *mask);
 }
 
 void Renderer::State::bindValues(const FrameInput& input, const RenderOptions& options) {
@@ -240,6 +248,7 @@ void Renderer::State::drawShadow(const RenderOptions& options) {
 
 void Renderer::State::drawParts(const RenderOptions& options) {
   bindTexture(kShadowMap, GL_TEXTURE_2D, shadow_map);
+  bindTexture(kPaintedMask, GL_TEXTURE_2D, mask_map);
   glEnable(GL_SAMPLE_MASK);
   GLint samples = 0;
   glGetIntegerv(GL_SAMPLES, &samples);
@@ -252,7 +261,8 @@ void Renderer::State::drawParts(const RenderOptions& options) {
     const auto bindMap = [&](GLint unit, uint32_t map) {
       bindTexture(unit, GL_TEXTURE_2D_ARRAY, map ? map : empty_map);
     };
-    glUseProgram(programs.surface(options, set.normals != 0, own.color != 0, own.normal != 0));
+    glUseProgram(
+        programs.surface(options, set.normals != 0, own.color != 0, own.normal != 0, objects->painted(p)));
     bindMap(kBaseColorMap, own.color);
     bindMap(kBaseNormalMap, own.normal);
     bindMap(kNormalMaps, set.normals);
@@ -345,6 +355,7 @@ uint32_t Renderer::draw(const FrameInput& input, const RenderOptions& options) t
   PosedBuffers posed{};
   if (const Status status = s.pose(input, options, tier_, asked_, posed); !status.ok()) lose(status.message);
   GpuTimes clock(options.times);
+  s.takeMask(options);
   s.bindSurface(posed);
   s.bindValues(input, options);
   s.fillScene(options, posed.layers);

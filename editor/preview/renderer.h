@@ -3,6 +3,7 @@
 // The preview renderer: one asset at a time, one pose, one picture. Needs a current OpenGL 3.3 core context
 // (headless_context.h or a window), 4.3 for the gpu tier; the destructor needs it too.
 
+#include <glm/vec4.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,9 +37,16 @@ struct RenderOptions {
   uint32_t layer = 0;  // for the views of one layer: weight, direction, mask, bias, confidence
   Camera camera;
   float light_yaw = 0.0f;  // degrees that the lights are turned by round the picture's upright, to its right
-  // A value a vertex in place of the asset's for `layer`, as it is being painted: mask, in [0, 1], and bias,
-  // in [-1, 1]; or empty. The views mask and bias show them on every tier, the other views on the cpu tier.
-  std::span<const float> mask, bias;
+  // In place of the asset's for `layer`, as it is being painted, or nothing. A mask is the first channel of
+  // an image in the UVs of some parts; the layer shows on no others. It cannot be seen without OpenGL.
+  std::shared_ptr<const pipeline::ByteImage> mask;
+  std::span<const uint32_t> mask_parts;
+  // A value a vertex, in [-1, 1]. The view of the bias shows it on every tier, the other views on the cpu
+  // tier.
+  std::span<const float> bias;
+  // A direction a vertex, in root space at rest, as long as it is sure; w: whether it is painted. The views
+  // of direction and confidence show it.
+  std::span<const glm::vec4> directions;
   // If not null, every stage of draw() is waited for, and how long it took is left here.
   StageTimes* times = nullptr;
 };

@@ -68,11 +68,14 @@ void checkPicture(const AssetView& asset, const FrameInput& input, const RenderO
   if (!input.responses.empty() && input.responses.size() != asset.layers.size())
     fail("the number of responses is not that of the layers");
   if (!(input.scale > 0.0f) || !std::isfinite(input.scale)) fail("the scale is not above 0");
-  for (const std::span<const float> painted : {options.mask, options.bias})
-    if (!painted.empty() && painted.size() != asset.vertexCount())
-      fail("the number of painted values is not that of the vertices");
+  if ((!options.bias.empty() && options.bias.size() != asset.vertexCount()) ||
+      (!options.directions.empty() && options.directions.size() != asset.vertexCount()))
+    fail("the number of painted values is not that of the vertices");
+  if (options.mask &&
+      std::ranges::any_of(options.mask_parts, [&](uint32_t part) { return part >= asset.parts.size(); }))
+    fail("a part with a painted mask does not exist");
   const bool of_layer =
-      !options.mask.empty() || !options.bias.empty() ||
+      options.mask || !options.bias.empty() ||
       (options.view != View::kBeauty && options.view != View::kPoint && options.view != View::kMorph);
   if (of_layer && options.layer >= asset.layerCount()) fail("the view's layer does not exist");
   const Camera& camera = options.camera;
@@ -117,7 +120,6 @@ gpu::Scene sceneOf(const RenderOptions& options, float exposure) {
   scene.size = {static_cast<float>(options.width), static_cast<float>(options.height),
                 spacing * kStrokeLength, std::max(static_cast<float>(options.height) / 280.0f, 1.5f)};
   scene.layer = options.layer;
-  scene.given_values = options.view == View::kMask && !options.mask.empty();
   return scene;
 }
 
@@ -148,13 +150,10 @@ std::vector<glm::vec4> shownValues(const AssetView& asset, const FrameInput& inp
   if (options.view == View::kPoint) shown = pointColors(asset);
   if (options.view == View::kBias) shown = biasValues(asset, options.layer);
   if (options.view == View::kDirection || options.view == View::kConfidence)
-    shown = directionValues(asset, options.layer);
+    shown = directionValues(asset, options.layer, options.directions);
   if (options.view == View::kMorph) shown = morphValues(asset, input.morph_weights);
-  if (options.view == View::kMask || options.view == View::kBias) {
-    const std::span<const float> painted = options.view == View::kMask ? options.mask : options.bias;
-    if (!painted.empty()) shown.resize(painted.size());
-    for (size_t v = 0; v < painted.size(); ++v) shown[v].x = painted[v];
-  }
+  for (size_t v = 0; v < options.bias.size() && options.view == View::kBias; ++v)
+    shown[v].x = options.bias[v];
   return shown;
 }
 

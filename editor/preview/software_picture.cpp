@@ -142,11 +142,10 @@ glm::vec3 shownColorAt(const AssetView& asset, const CpuFrame& frame, const Rend
           static_cast<float>(frame.weights[size_t{v} * asset.weightStride() + options.layer]) / 32767.0f);
     case View::kMask: {
       const auto mask = asset.layers[options.layer].mask;
-      return gpu::maskShown(!values.empty() ? values[v].x
-                            : mask.empty()  ? 1.0f
-                                            : static_cast<float>(mask[v]) / 255.0f);
+      return gpu::maskShown(mask.empty() ? 1.0f : static_cast<float>(mask[v]) / 255.0f);
     }
     case View::kBias:
+    case View::kMorph:
       return gpu::diverging(values[v].x);
     case View::kPoint:
       return glm::vec3(values[v]);

@@ -55,7 +55,8 @@ std::vector<glm::vec4> biasValues(const AssetView& asset, uint32_t layer) {
   return values;
 }
 
-std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer) {
+std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer,
+                                       std::span<const glm::vec4> painted) {
   std::vector<glm::vec4> values(asset.vertexCount(), glm::vec4(0.0f));
   const auto directions = asset.layers[layer].directions;
   if (directions.empty()) return values;
@@ -69,8 +70,13 @@ std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer) {
       const glm::vec3 normal = unit(cofactors * glm::vec3(n.x, n.y, n.z));
       const glm::vec3 bent = a * glm::vec3(t.x, t.y, t.z);
       const glm::vec3 tangent = unit(bent - glm::dot(bent, normal) * normal);
-      const glm::vec3 direction = glm::vec3(d[0], d[1], d[2]) / 127.0f;
-      values[v] = {static_cast<float>(d[3]) / 127.0f, glm::dot(direction, tangent),
+      glm::vec3 direction = glm::vec3(d[0], d[1], d[2]) / 127.0f;
+      float confidence = static_cast<float>(d[3]) / 127.0f;
+      if (!painted.empty() && painted[v].w > 0.0f) {
+        confidence = glm::length(glm::vec3(painted[v]));
+        direction = unit(glm::vec3(painted[v]));
+      }
+      values[v] = {confidence, glm::dot(direction, tangent),
                    t.w * glm::dot(direction, glm::cross(normal, tangent)), 0.0f};
     }
   }

@@ -19,7 +19,8 @@ std::vector<glm::vec4> biasValues(const AssetView& asset, uint32_t layer);
 
 // kDirection and kConfidence: x confidence in [0, 1]; y, z the wrinkle direction along the vertex's tangent
 // and bitangent.
-std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer);
+std::vector<glm::vec4> directionValues(const AssetView& asset, uint32_t layer,
+                                       std::span<const glm::vec4> painted = {});
 
 // kMorph: x how far the morph targets move the vertex, in [0, 1] of the farthest that one of them moves any
 // vertex at weight 1.

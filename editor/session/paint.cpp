@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <glm/geometric.hpp>
 
 #include "pipeline/scene/rig.h"
@@ -30,6 +31,22 @@ float distanceToSegment(glm::vec3 p, glm::vec3 a, glm::vec3 b) {
   return glm::distance(p, a + t * along);
 }
 
+// Lines in the plane of `normal`: d and -d are one, and those across each other shorten each other.
+glm::vec3 mixedLines(glm::vec3 a, glm::vec3 b, float amount, glm::vec3 normal) {
+  if (!(glm::dot(normal, normal) > 0.0f)) return b;
+  const glm::vec3 n = glm::normalize(normal);
+  const glm::vec3 x =
+      glm::normalize(glm::cross(std::abs(n.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0), n));
+  const glm::vec3 y = glm::cross(n, x);
+  const auto doubled = [&](glm::vec3 d) {
+    const std::complex<float> z(glm::dot(d, x), glm::dot(d, y));
+    return std::abs(z) > 0.0f ? z * z / std::abs(z) : z;
+  };
+  const std::complex<float> mixed = (1.0f - amount) * doubled(a) + amount * doubled(b);
+  const std::complex<float> line = std::polar(std::abs(mixed), 0.5f * std::arg(mixed));
+  return line.real() * x + line.imag() * y;
+}
+
 bool named(const std::vector<std::string>& list, std::string_view name) {
   return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
 }
@@ -51,6 +68,11 @@ pipeline::Surface surfaceOf(const AssetView& asset) {
   for (const Float2& uv : asset.uvs) surface.uvs.push_back({uv.x, uv.y});
   for (size_t i = 0; i + 2 < asset.indices.size(); i += 3)
     surface.triangles.push_back({asset.indices[i], asset.indices[i + 1], asset.indices[i + 2]});
+  surface.normals.resize(surface.positions.size(), glm::vec3(0.0f));
+  for (const glm::uvec3& t : surface.triangles)
+    for (int c = 0; c < 3; ++c)
+      surface.normals[t[c]] += glm::cross(surface.positions[t.y] - surface.positions[t.x],
+                                          surface.positions[t.z] - surface.positions[t.x]);
   return surface;
 }
 
@@ -150,7 +172,10 @@ Stroke::Stroke(std::shared_ptr<const Canvas> canvas, std::shared_ptr<const ByteI
       brush_(brush),
       radius_(brush.size * unit),
       cover_(canvas_->texels().size(), 0.0f) {
-  if (kind == Painted::kDirection) along_.assign(cover_.size(), glm::vec2(0.0f));
+  if (kind != Painted::kDirection) return;
+  along_.assign(cover_.size(), glm::vec2(0.0f));
+  vertex_cover_.assign(canvas_->surface().positions.size(), 0.0f);
+  vertex_along_.assign(vertex_cover_.size(), glm::vec3(0.0f));
 }
 
 void Stroke::moveTo(glm::vec3 rest, glm::vec3 normal) {
@@ -169,6 +194,7 @@ void Stroke::cover(glm::vec3 from, glm::vec3 to, glm::vec3 normal) {
   const glm::vec3 low = glm::min(from, to) - radius_, high = glm::max(from, to) + radius_;
   const bool comb = kind_ == Painted::kDirection && !brush_.erase;
   if (comb && from == to) return;  // a press has no direction yet
+  if (kind_ == Painted::kDirection) coverVertices(from, to, normal);
   const std::vector<Canvas::Texel>& texels = canvas_->texels();
   for (size_t i = 0; i < texels.size(); ++i) {
     const Canvas::Texel& texel = texels[i];
@@ -182,6 +208,38 @@ void Stroke::cover(glm::vec3 from, glm::vec3 to, glm::vec3 normal) {
     // The stroke runs along the crease; the image holds the direction across it.
     if (comb) along_[i] = canvas_->toImage(texel, glm::cross(texel.normal, to - from));
   }
+}
+
+void Stroke::coverVertices(glm::vec3 from, glm::vec3 to, glm::vec3 normal) {
+  const pipeline::Surface& surface = canvas_->surface();
+  for (const uint32_t part : canvas_->parts())
+    for (uint32_t v = surface.parts[part].vertex_begin; v < surface.parts[part].vertex_end; ++v) {
+      if (glm::dot(surface.normals[v], normal) < kLeastFacing) continue;
+      const float covered = brushCover(brush_, distanceToSegment(surface.positions[v], from, to) / radius_);
+      if (covered <= vertex_cover_[v]) continue;
+      vertex_cover_[v] = covered;
+      const glm::vec3 across = glm::cross(surface.normals[v], to - from);
+      vertex_along_[v] = glm::length(across) > 0.0f ? glm::normalize(across) : glm::vec3(0.0f);
+    }
+}
+
+std::vector<glm::vec4> Stroke::vertexDirections(const AssetView& asset, uint32_t asset_layer,
+                                                std::span<const glm::vec4> before) const {
+  std::vector<glm::vec4> directions(before.begin(), before.end());
+  directions.resize(vertex_cover_.size(), glm::vec4(0.0f));
+  const bool known = asset_layer < asset.layerCount() && !asset.layers[asset_layer].directions.empty();
+  for (size_t v = 0; v < directions.size(); ++v) {
+    const float amount = vertex_cover_[v] * brush_.strength;
+    if (amount <= 0.0f) continue;
+    glm::vec3 old(directions[v]);
+    if (directions[v].w == 0.0f && known) {
+      const int8_t* d = &asset.layers[asset_layer].directions[size_t{4} * asset.vertex_point[v]];
+      old = glm::vec3(d[0], d[1], d[2]) / 127.0f * (static_cast<float>(d[3]) / 127.0f);
+    }
+    const glm::vec3 step = brush_.erase ? glm::vec3(0.0f) : vertex_along_[v];
+    directions[v] = glm::vec4(mixedLines(old, step, amount, canvas_->surface().normals[v]), 1.0f);
+  }
+  return directions;
 }
 
 ByteImage Stroke::image() const {
@@ -212,16 +270,12 @@ ByteImage Stroke::image() const {
   return image;
 }
 
-std::vector<float> Stroke::vertexValues(const AssetView& asset) const {
-  if (kind_ == Painted::kDirection) return {};
-  const ByteImage painted = image();
+std::vector<float> vertexBias(const ByteImage& painted, const Canvas& canvas, const AssetView& asset) {
   std::vector<float> values(asset.vertexCount(), 0.0f);
-  for (uint32_t p : canvas_->parts())
+  for (uint32_t p : canvas.parts())
     for (uint32_t v = asset.parts[p].vertex_begin; v < asset.parts[p].vertex_end; ++v) {
       const float c = pipeline::sampleAt(painted, {asset.uvs[v].x, asset.uvs[v].y}, 0);
-      values[v] = kind_ == Painted::kMask               ? c
-                  : std::abs(c - 0.5f) <= 1.0f / 255.0f ? 0.0f
-                                                        : 2.0f * (c - 0.5f);
+      values[v] = std::abs(c - 0.5f) <= 1.0f / 255.0f ? 0.0f : 2.0f * (c - 0.5f);
     }
   return values;
 }

@@ -4,6 +4,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,6 +42,8 @@ class Canvas {
   bool empty() const { return texels_.empty(); }                 // nothing has UVs
   const std::vector<uint32_t>& parts() const { return parts_; }  // of the asset, that can be painted
 
+  const pipeline::Surface& surface() const { return surface_; }  // at rest in root space, with normals
+
   // What a layer of the asset has at its vertices, drawn as an image: where painting begins.
   pipeline::ByteImage current(Painted kind, const AssetView& asset, uint32_t asset_layer) const;
 
@@ -75,12 +78,14 @@ class Stroke {
 
   bool touched() const { return touched_; }
   pipeline::ByteImage image() const;
-  // The painted values at the vertices: mask in [0, 1], bias in [-1, 1]; 0 on parts that the layer does not
-  // lie on. Empty for directions.
-  std::vector<float> vertexValues(const AssetView& asset) const;
+  // Of a stroke that combs: what it makes of the directions of a layer of the asset, or of those that are
+  // painted `before`, if any; a vertex, as preview::RenderOptions has them.
+  std::vector<glm::vec4> vertexDirections(const AssetView& asset, uint32_t asset_layer,
+                                          std::span<const glm::vec4> before) const;
 
  private:
   void cover(glm::vec3 from, glm::vec3 to, glm::vec3 normal);
+  void coverVertices(glm::vec3 from, glm::vec3 to, glm::vec3 normal);
 
   std::shared_ptr<const Canvas> canvas_;
   std::shared_ptr<const pipeline::ByteImage> before_;
@@ -91,7 +96,13 @@ class Stroke {
   glm::vec3 last_{0.0f};
   std::vector<float> cover_;      // a texel of the canvas
   std::vector<glm::vec2> along_;  // directions: of the image, a texel of the canvas
+  std::vector<float> vertex_cover_;
+  std::vector<glm::vec3> vertex_along_;  // root space
 };
+
+// What a painted bias is at the vertices, in [-1, 1]; 0 on parts that cannot be painted.
+std::vector<float> vertexBias(const pipeline::ByteImage& painted, const Canvas& canvas,
+                              const AssetView& asset);
 
 // A channel as an image of its own, at another size.
 pipeline::ByteImage planeOf(const pipeline::ByteImage& image, uint32_t channel, uint32_t size);

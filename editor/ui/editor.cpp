@@ -397,6 +397,12 @@ void Editor::drawStatus() {
   ImGui::TextDisabled("%s", drawn.tier.c_str());
   mark("status.tier");
   tooltip(drawn.reason.c_str());
+  if (drawn.lost) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton("try again")) viewport_.release();
+    mark("status.retry");
+    tooltip("Draws on the tier that was lost again: a driver may have come back");
+  }
   ImGui::SameLine(0.0f, 1.5f * em());
   std::string times;
   for (const preview::StageTime& part : drawn.times) {

@@ -4,10 +4,10 @@
 #include <cstdio>
 
 #include "editor/ui/character_section.h"
+#include "editor/ui/driver_section.h"
 #include "editor/ui/image_row.h"
 #include "editor/ui/map_section.h"
 #include "editor/ui/widgets.h"
-#include "pipeline/recipe/arkit.h"
 
 namespace furrow::editor::ui {
 namespace {
@@ -406,49 +406,6 @@ void drawBias(State& state, const LayerRecipe& layer) {
     changed = true;
   }
   if (changed) set(next);
-}
-
-void drawDrivers(State& state, const LayerRecipe& layer) {
-  if (!section("section.drivers", "Drivers",
-               "Morph targets that raise the layer whether or not it is squeezed", false))
-    return;
-  std::vector<std::string> tables = pipeline::driverTables();
-  tables.insert(tables.begin(), "(own list)");
-  std::string table = layer.driver_table.empty() ? tables.front() : layer.driver_table;
-  if (choice("drivers.table", "Ready table", table, tables,
-             "A table of ARKit's face shapes for a region of the face, or a list of your own"))
-    state.edit("Drivers of " + layer.name, [&](LayerRecipe& edited) {
-      edited.driver_table = table == tables.front() ? std::string() : table;
-      edited.drivers.clear();
-    });
-  if (!layer.driver_table.empty()) return;
-  for (size_t d = 0; d < layer.drivers.size(); ++d) {
-    const std::string id = "drivers." + layer.drivers[d].morph;
-    float gain = static_cast<float>(layer.drivers[d].gain);
-    ImGui::PushID(static_cast<int>(d));
-    if (slider(id.c_str(), layer.drivers[d].morph.c_str(), gain, -2.0f, 2.0f, "%.2f",
-               "Weight that the morph target at 1 adds to the layer, -2 to 2. Right click: remove"))
-      state.edit("Gain of " + layer.drivers[d].morph,
-                 [&](LayerRecipe& edited) { edited.drivers[d].gain = double{gain}; });
-    const bool removed = ImGui::IsItemClicked(ImGuiMouseButton_Right);
-    ImGui::PopID();
-    if (removed) {
-      state.edit("Remove driver", [&](LayerRecipe& edited) {
-        edited.drivers.erase(edited.drivers.begin() + static_cast<std::ptrdiff_t>(d));
-      });
-      return;
-    }
-  }
-  std::vector<std::string> names;
-  if (state.session.shown())
-    for (const Morph& morph : state.session.shown()->view().morphs) addName(names, morph.name);
-  if (names.empty()) {
-    ImGui::TextDisabled("the character has no morph targets");
-    return;
-  }
-  std::string chosen;
-  if (choice("drivers.add", "Add", chosen, names, "A morph target whose weight is added to the layer's"))
-    state.edit("Add driver", [&](LayerRecipe& edited) { edited.drivers.push_back({chosen}); });
 }
 
 void drawAsset(State& state, const preview::PosedFrame* frame) {

@@ -64,10 +64,30 @@ void PaintTool::forget() {
   canvas_.reset();
   canvas_key_.clear();
   stroke_.reset();
-  values_.clear();
+  unshow();
   guide_hits_.clear();
   guide_curves_.clear();
   curve_.reset();
+}
+
+bool PaintTool::fits(const AssetView& asset, const std::string& layer) const {
+  return shown_ && layer == layer_ && (mask_ || !bias_.empty() || !directions_.empty()) &&
+         asset.vertexCount() == shown_->view().vertexCount() &&
+         asset.parts.size() == shown_->view().parts.size();
+}
+
+void PaintTool::showPainted(const State& state) {
+  ++stroke_number_;
+  if (kind_ == Painted::kMask) mask_ = std::make_shared<const pipeline::ByteImage>(stroke_->image());
+  if (kind_ == Painted::kDirection)
+    directions_ = stroke_->vertexDirections(shown_->view(), state.assetLayer(*shown_), combed_);
+  if (kind_ == Painted::kBias) bias_ = vertexBias(stroke_->image(), *canvas_, shown_->view());
+}
+
+void PaintTool::unshow() {
+  mask_.reset();
+  bias_.clear();
+  directions_.clear();
 }
 
 bool PaintTool::begin(State& state, Painted kind) {
@@ -115,8 +135,10 @@ bool PaintTool::begin(State& state, Painted kind) {
         canvas_->current(kind, asset, static_cast<uint32_t>(asset.layerCount())));
   if (!before)
     before = std::make_shared<pipeline::ByteImage>(canvas_->current(kind, asset, state.assetLayer(*shown_)));
+  if (kind != kind_ || layer_ != layer.name) unshow();
   kind_ = kind;
   layer_ = layer.name;
+  combed_ = directions_;
   stroke_ = std::make_unique<Stroke>(canvas_, before, kind, state.brush, viewHeight(state.camera));
   return true;
 }
@@ -124,7 +146,7 @@ bool PaintTool::begin(State& state, Painted kind) {
 void PaintTool::finish(State& state) {
   const std::unique_ptr<Stroke> stroke = std::move(stroke_);
   if (!stroke->touched()) {
-    values_.clear();
+    unshow();
     return;
   }
   // The layer that it began on, whichever is selected by now; it may be gone.
@@ -133,7 +155,7 @@ void PaintTool::finish(State& state) {
   std::vector<pipeline::LayerRecipe>& layers = content.recipe.layers;
   const auto found = std::find_if(layers.begin(), layers.end(),
                                   [&](const pipeline::LayerRecipe& layer) { return layer.name == layer_; });
-  if (found == layers.end()) return values_.clear();
+  if (found == layers.end()) return unshow();
   const std::filesystem::path file =
       paintedFile(content, session.document.file(), static_cast<size_t>(found - layers.begin()), kind_);
   pipeline::LayerRecipe& layer = *found;
@@ -146,7 +168,7 @@ void PaintTool::finish(State& state) {
     layer.bias = pipeline::Bias{{}, 0, 0.5, file};
   const uint32_t index = state.layer == layer_ ? state.assetLayer(*shown_) : pipeline::kNoIndex;
   if (kind_ == Painted::kBias && index != pipeline::kNoIndex &&
-      isOutside(shown_->view().layers[index], values_))
+      isOutside(shown_->view().layers[index], bias_))
     session.tell(Message::Kind::kWarning, session.source().string() + ": layer \"" + layer_ +
                                               "\" does not reach what was painted: paint its mask there, "
                                               "too, or let it have the whole surface");
@@ -164,10 +186,10 @@ bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projec
       shown_ = state.session.shown();
     }
   }
-  if (!stroke_ && state.layer != layer_) values_.clear();
+  if (!stroke_ && state.layer != layer_) unshow();
   if (state.tool == Tool::kLook) {
     if (stroke_) finish(state);
-    values_.clear();
+    unshow();
     return false;
   }
   const ImGuiIO& io = ImGui::GetIO();
@@ -196,10 +218,7 @@ bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projec
       if (stroke_)
         stroke_->moveTo(surface.restAt(hit->triangle, hit->barycentric), surface.restNormal(hit->triangle));
     }
-    if (stroke_) {
-      values_ = stroke_->vertexValues(shown_->view());
-      ++stroke_number_;
-    }
+    if (stroke_) showPainted(state);
   } else if (pen.over) {
     hit = surface.hit(projection.eye, projection.rayAt(pen.at));
   }

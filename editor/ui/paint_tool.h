@@ -25,10 +25,15 @@ class PaintTool {
   // The guide curves of the selected layer.
   void drawGuides(const State& state, const preview::PosedFrame& frame, const Projection& projection);
 
-  // What a stroke in progress, or one that is not cooked yet, makes of the selected layer; a value a vertex,
-  // or empty.
-  std::span<const float> mask() const { return kind_ == Painted::kMask ? values_ : std::span<const float>(); }
-  std::span<const float> bias() const { return kind_ == Painted::kBias ? values_ : std::span<const float>(); }
+  // What a stroke in progress, or one that is not cooked yet, makes of a layer, as RenderOptions have it; for
+  // the layer and an asset that it fits.
+  bool fits(const AssetView& asset, const std::string& layer) const;
+  const std::shared_ptr<const pipeline::ByteImage>& mask() const { return mask_; }
+  std::span<const uint32_t> maskParts() const {
+    return canvas_ ? canvas_->parts() : std::span<const uint32_t>();
+  }
+  std::span<const float> bias() const { return bias_; }
+  std::span<const glm::vec4> directions() const { return directions_; }
   uint64_t stroke() const { return stroke_number_; }
   void forget();  // of the asset that is gone
 
@@ -37,6 +42,8 @@ class PaintTool {
   void finish(State& state);
   void guide(State& state, const preview::PosedFrame& frame, const Projection& projection, const Pen& pen,
              std::span<const ImVec2> places);
+  void showPainted(const State& state);
+  void unshow();
   void drawBrush(const State& state, const Projection& projection, const SurfaceHit& hit) const;
 
   std::shared_ptr<Shown> shown_;
@@ -47,7 +54,9 @@ class PaintTool {
   ImVec2 pen_at_{};       // in the last frame
   Painted kind_ = Painted::kBias;
   std::string layer_;  // that the stroke, or the last one, is of
-  std::vector<float> values_;
+  std::shared_ptr<const pipeline::ByteImage> mask_;
+  std::vector<float> bias_;
+  std::vector<glm::vec4> directions_, combed_;  // combed_: before the stroke
   uint64_t stroke_number_ = 0;
   std::optional<std::vector<std::array<double, 3>>> curve_;  // being drawn, rest
   std::vector<SurfaceHit> curve_hits_;

@@ -37,6 +37,7 @@ inline constexpr const char* kShadingNames[] = {"Interpolated bump", "Bump blend
 struct Drawn {
   std::string tier, reason;  // or why nothing is drawn
   bool failed = false;
+  bool lost = false;  // the tier that was wanted was, with its context
   preview::StageTimes times;
 };
 

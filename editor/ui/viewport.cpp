@@ -94,13 +94,16 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     hold(shown);
     preview::RenderOptions o = options(state, *shown, frame, look, width, height);
     o.tier = choice.tier;
-    const size_t vertices = shown->view().vertexCount();
-    if (paint && paint->mask().size() == vertices) o.mask = paint->mask();
-    if (paint && paint->bias().size() == vertices) o.bias = paint->bias();
-    const bool live = !o.mask.empty() || !o.bias.empty();
-    if (live && (o.view == preview::View::kBeauty || o.view == preview::View::kWeight)) {
+    const bool live = paint && paint->fits(shown->view(), state.layer);
+    if (live) {
+      o.mask = paint->mask();
+      o.mask_parts = paint->maskParts();
+      o.bias = paint->bias();
+      o.directions = paint->directions();
+    }
+    if (!o.bias.empty() && (o.view == preview::View::kBeauty || o.view == preview::View::kWeight)) {
       o.tier = preview::Tier::kCpu;
-      choice = {o.tier, "what is painted shows on the cpu tier until it is cooked"};
+      choice = {o.tier, "a painted bias shows on the cpu tier until it is cooked"};
     }
     FrameInput input = frame.input;
     const std::vector<Response> responses = state.session.responses(*shown);
@@ -127,7 +130,8 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     texture_ = renderer_->draw(input, o);
     key_ = key.value();
     drawn.tier = gl::tierName(renderer_->tier());
-    drawn.reason = renderer_->tier() == choice.tier ? choice.reason : "the tiers before it were lost";
+    drawn.lost = renderer_->tier() != choice.tier;
+    drawn.reason = drawn.lost ? "the tiers before it were lost" : choice.reason;
     drawn.failed = false;
     return texture_;
   } catch (const preview::ContextLost&) {
@@ -488,11 +492,15 @@ void Viewport::drawLegend(const State&, const Look& look, ImVec2 at) const {
               IM_COL32(249, 172, 69, 255), IM_COL32(206, 38, 33, 255)};
     left = view == preview::View::kWeight ? "-1 stretch" : "-1 smooth";
     right = view == preview::View::kWeight ? "squeeze 1" : "creased 1";
-  } else if (view == preview::View::kConfidence || view == preview::View::kMorph) {
+  } else if (view == preview::View::kMorph) {
+    colors = {IM_COL32(172, 172, 172, 255), IM_COL32(249, 172, 69, 255), IM_COL32(206, 38, 33, 255)};
+    left = "0 still";
+    right = "farthest 1";
+  } else if (view == preview::View::kConfidence) {
     colors = {IM_COL32(28, 24, 64, 255), IM_COL32(97, 39, 130, 255), IM_COL32(195, 69, 89, 255),
               IM_COL32(247, 156, 39, 255), IM_COL32(252, 241, 176, 255)};
-    left = view == preview::View::kMorph ? "0 still" : "0 guess";
-    right = view == preview::View::kMorph ? "farthest 1" : "sure 1";
+    left = "0 guess";
+    right = "sure 1";
   } else if (view == preview::View::kMask) {
     colors = {IM_COL32(48, 48, 48, 255), IM_COL32(238, 238, 238, 255)};
     left = "0 outside";

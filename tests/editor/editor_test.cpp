@@ -141,6 +141,23 @@ TEST_F(EditorTest, ALostContextIsReplacedAndTheSessionGoesOn) {
                        "/bin/sh"));
   if (canOpenWindows()) expectTheSession(playInWindow(script, losing));
 }
+
+TEST_F(EditorTest, ATierThatWasLostCanBeTriedAgain) {
+  if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
+  const auto playLosing = [&](const std::string& script) {
+    return run({"-c", "exec env FURROW_LOSSES=1 LD_PRELOAD='" FURROW_LOSE_CONTEXT "' '" FURROW_EDITOR
+                      "' --script '" +
+                          write("script.txt", script).string() + "' --frames '" + output().string() +
+                          "' --size 1024x640 --backend gpu-raster"},
+               "/bin/sh");
+  };
+  const std::string again = sheet() + "expect widget status.retry\nclick status.retry\nexpect no error\n";
+  Outcome outcome = playLosing(again);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  outcome = playLosing(again + "expect widget status.retry\n");
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.err.find("expected widget status.retry"), std::string::npos) << outcome.err;
+}
 #endif
 
 TEST_F(EditorTest, AStrangerPaintsABiasChangesAResponseSavesCooksAndRenders) {
@@ -603,7 +620,44 @@ expect no error
   EXPECT_EQ(text.find("\"bias\""), std::string::npos) << text;
 }
 
-// Every key of a recipe but `drivers[].curve` can be edited.
+TEST_F(EditorTest, ADriversCurveIsDrawnByPoints) {
+  const auto written = [&] {
+    const std::string text = readText(folder() / "sheet.json");
+    const size_t at = text.find("\"curve\"");
+    return at == std::string::npos ? std::string() : text.substr(at, text.find('}', at) - at);
+  };
+  const auto playOn = [&](const std::string& script) {
+    expectPlays(
+        sheet() +
+        "click section.response\nclick section.reach\nclick section.direction\nclick section.compress\n"
+        "click section.stretch\nclick section.drivers\nwheel section.drivers -40\n" +
+        script + "key Ctrl+S\nexpect saved\nexpect no error\n");
+  };
+  playOn(R"(
+click drivers.add
+click drivers.add.squeeze
+click drivers.squeeze.bent
+wheel section.drivers -40
+click drivers.squeeze.curve 0.5 0.2
+drag drivers.squeeze.curve 0.5 0.2 0.75 0.4
+picture curve
+)");
+  const std::string three = written();
+  EXPECT_NE(three.find("[[0.0, 0.0], [0.78, 0.0"), std::string::npos) << three;
+  EXPECT_NE(three.find("], [1.0, 1.0]]"), std::string::npos) << three;
+  playOn("key Ctrl+Z\n");  // nothing to undo: the same
+  EXPECT_EQ(written(), three);
+  playOn("drag drivers.squeeze.curve.1.out 0.5 0.5 0.75 0.5\n");
+  EXPECT_NE(written().find("[[0.0, 0.5"), std::string::npos) << written();
+  playOn("rightclick drivers.squeeze.curve 0.75 0.4\nkey Ctrl+Z\n");
+  EXPECT_NE(written().find("[0.78, 0.0"), std::string::npos) << written();
+  playOn("rightclick drivers.squeeze.curve 0.75 0.4\n");
+  EXPECT_EQ(written().find("0.78"), std::string::npos) << written();
+  playOn("click drivers.squeeze.bent\n");
+  EXPECT_EQ(written(), "");
+}
+
+// Every key of a recipe can be edited.
 TEST_F(EditorTest, ALayersMeshesAndMaterialsAreChosen) {
   write("pair.glb", editorPair());
   write("pair.json", kEditorRecipe);
@@ -717,6 +771,22 @@ TEST_F(EditorTest, TheBrushCanBeMovedByKeysAndTheLitSurfaceFollowsIt) {
   EXPECT_TRUE(fs::exists(folder() / "sheet_lines_bias.png"));
   EXPECT_GT(VIEWS_DIFFER("before", "during"), 4.0);
   EXPECT_GT(VIEWS_DIFFER("before", "after"), 4.0);
+}
+
+TEST_F(EditorTest, WhatIsPaintedIsShownAsItWillBeCooked) {
+  std::string there, back;
+  for (int i = 0; i < 12; ++i) {
+    there += "key Right\n";
+    back += "key Left\n";
+  }
+  for (const std::string tool : {"mask", "comb"}) {
+    expectPlays(sheet() + "click tool.tool." + tool + "\nkey C\nkey Up\n" + there +
+                "picture before\nkey Space\n" + back + there +
+                "picture during\nkey Space\nwait\npicture after\nexpect no error\n");
+    const double painted = VIEWS_DIFFER("before", "during");
+    EXPECT_GT(painted, tool == "mask" ? 15.0 : 4.0) << tool;
+    EXPECT_LT(VIEWS_DIFFER("during", "after"), (tool == "mask" ? 0.3 : 0.9) * painted) << tool;
+  }
 }
 
 TEST_F(EditorTest, AStrokeStaysOnItsLayerWhateverIsSelectedWhenItEnds) {

@@ -152,7 +152,7 @@ void measure(const fs::path& content, const std::string& name, uint32_t size) {
   each("step of a stroke", [&](int i) {
     stroke.moveTo(surface.restAt(static_cast<uint32_t>(10 * i), {1, 0, 0}),
                   surface.restNormal(static_cast<uint32_t>(10 * i)));
-    stroke.vertexValues(asset);
+    vertexBias(stroke.image(), *canvas, asset);
   });
 }
 

@@ -512,7 +512,7 @@ TEST_F(PaintedSheet, AStrokeCoversWhatIsWithinItsRadiusOnceAndOnBothSidesOfTheMi
     EXPECT_EQ(*at(image, side * 0.38f, 0.0f), 128);
   }
   EXPECT_EQ(*at(image, 0.0f, 0.0f), 128);
-  const std::vector<float> values = stroke.vertexValues(asset());
+  const std::vector<float> values = vertexBias(stroke.image(), *canvas_, asset());
   for (uint32_t v = 0; v < asset().vertexCount(); ++v) {
     const Float3 p = asset().positions[v];
     if (std::abs(std::abs(p.x) - 0.25f) < 0.05f && std::abs(p.y) < 0.2f) {
@@ -540,7 +540,21 @@ TEST_F(PaintedSheet, CombingAlongACreaseGivesTheDirectionAcrossIt) {
   EXPECT_NEAR(x * y, -0.5f, 0.05f);  // across: down to the right, or up to the left
   EXPECT_NEAR(std::hypot(x, y), 1.0f, 0.02f);
 
-  // As the cook reads it: the same direction on the surface.
+  // As it is shown until the cook has read it, and then: the same direction on the surface.
+  const std::vector<glm::vec4> shown = stroke.vertexDirections(asset(), 0, {});
+  const std::vector<Float3> places(asset().positions.begin(), asset().positions.end());
+  const auto onTheStroke = [&](const Float3& p) {
+    return std::abs(p.x - p.y) < 0.03f && std::abs(p.x) < 0.2f;
+  };
+  for (size_t v = 0; v < shown.size(); ++v) {
+    if (onTheStroke(places[v])) {
+      EXPECT_NEAR(shown[v].x * shown[v].y, -0.5f, 0.05f);
+      EXPECT_EQ(shown[v].w, 1.0f);
+    }
+    if (places[v].x - places[v].y > 0.5f) {
+      EXPECT_EQ(shown[v].w, 0.0f);
+    }
+  }
   Content content = session_.document.content();
   const fs::path file =
       paintedFile(session_.document.content(), session_.document.file(), 0, Painted::kDirection);
@@ -552,7 +566,7 @@ TEST_F(PaintedSheet, CombingAlongACreaseGivesTheDirectionAcrossIt) {
   for (uint32_t p = 0; p < asset().pointCount(); ++p) {
     const Float3 at_rest = asset().positions[asset().point_vertex[p]];
     const int8_t* d = &asset().layers[0].directions[4 * size_t{p}];
-    if (std::abs(at_rest.x - at_rest.y) < 0.03f && std::abs(at_rest.x) < 0.2f) {
+    if (onTheStroke(at_rest)) {
       EXPECT_NEAR(d[0] * d[1] / (127.0f * 127.0f), -0.5f, 0.06f);
     }
   }
@@ -568,7 +582,7 @@ TEST_F(PaintedSheet, PaintedBiasIsWhatTheCookReads) {
   session_.document.apply(std::move(content), "paint");
   settle(session_);
   ASSERT_EQ(session_.error(), "");
-  const std::vector<float> painted = stroke.vertexValues(asset());
+  const std::vector<float> painted = vertexBias(stroke.image(), *canvas_, asset());
   const std::span<const int16_t> cooked = asset().layers[0].bias;
   ASSERT_EQ(cooked.size(), painted.size());
   float largest = 0.0f;

@@ -43,9 +43,8 @@ FURROW_BLOCK(Scene) {
   vec4 up;         // of the camera; w: exposure
   vec4 size;       // picture in pixels; z: stroke length in world units, w: stroke width in pixels
   uint layer;
-  uint layers;       // that show
-  uint given_values;  // the view mask shows the vertices' values
-  uint pad0;
+  uint layers;  // that show
+  uint pad0, pad2;
   uvec4 shown_layers[kMaxPreviewLayers / 4u];
 }
 FURROW_INSTANCE(scene);
@@ -68,6 +67,7 @@ FURROW_INSTANCE(material);
 #undef FURROW_BLOCK
 #undef FURROW_INSTANCE
 #undef FURROW_CONSTANT
-static_assert(sizeof(Scene) == 240 + 4 * kMaxPreviewLayers && sizeof(Material) == 80 + 48 * kMaxPreviewLayers);
+static_assert(sizeof(Scene) == 240 + 4 * kMaxPreviewLayers &&
+              sizeof(Material) == 80 + 48 * kMaxPreviewLayers);
 }  // namespace furrow::preview::gpu
 #endif

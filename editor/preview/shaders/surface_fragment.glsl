@@ -1,5 +1,5 @@
 // kView, kShading, kBlinn, kMaps (whether the part has wrinkle maps), kBaseColor and kBaseNormal (whether it has
-// such maps of its own) are constants: software renderers run both sides of every branch that is not one.
+// such maps of its own) and kPainted (whether a painted mask is put over it) are constants: software renderers run both sides of every branch that is not one.
 
 uniform sampler2DShadow shadow_map;
 
@@ -23,7 +23,7 @@ vec3 light(vec3 base, vec3 form, vec3 n, vec3 v, float cavity, float roughness, 
 }
 
 float maskAt(uint layer) {
-  if (scene.given_values != 0u) return vertex.value.x;
+  if (kPainted) return paintedMask();
   if (material.with_masks == 0u) return component(vertex.masks, layer);
   return furrowMaskedWeight(1.0, material.slices[layer], vertex.uv);
 }
@@ -35,9 +35,9 @@ vec3 viewColor() {
     case kViewMask:
       return maskShown(maskAt(scene.layer));
     case kViewBias:
+    case kViewMorph:
       return diverging(vertex.value.x);
     case kViewConfidence:
-    case kViewMorph:
       return heat(vertex.value.x);
     case kViewPoint:
       return vertex.value.rgb;

@@ -12,6 +12,7 @@ in Surface {
 uniform sampler2DArray normal_maps;
 uniform sampler2DArray shading_maps;
 uniform sampler2DArray mask_maps;
+uniform sampler2D painted_mask;
 uniform sampler2DArray base_color_map;
 uniform sampler2DArray base_normal_map;
 
@@ -24,10 +25,15 @@ vec4 baseMap(sampler2DArray map, vec4 columns, vec2 begin) {
 }
 
 float component(vec4 values[4], uint layer) { return values[layer / 4u][layer % 4u]; }
+float paintedMask() { return textureGrad(painted_mask, vertex.uv, uv_dx, uv_dy).x; }
+float weightAt(uint layer) {
+  float weight = component(vertex.weights, layer);
+  return kPainted && layer == scene.layer ? weight * paintedMask() : weight;
+}
 uint shownLayer(uint i) { return scene.shown_layers[i / 4u][i % 4u]; }
 
 #define FURROW_WINDOW(slice) material.windows[slice]
-#define FURROW_WEIGHT(i) component(vertex.weights, shownLayer(i))
+#define FURROW_WEIGHT(i) weightAt(shownLayer(i))
 #define FURROW_SLICES(i) material.slices[shownLayer(i)]
 #define FURROW_NORMAL(at, slice, zoom) \
   textureGrad(normal_maps, vec3(at, float(slice)), uv_dx * zoom, uv_dy * zoom).xy
