@@ -31,7 +31,7 @@ const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::k
 struct Options {
   std::string asset, out, size = "1024x1024", layer;
   std::string shading, lighting = "ggx", view = "beauty";
-  std::optional<float> yaw, pitch;
+  std::optional<float> yaw, pitch, distance;
   float zoom = 1.0f;
   std::vector<float> target;
   PoseOptions pose;
@@ -87,7 +87,7 @@ void run(const Options& options) {
   render.camera =
       preview::fitCamera(posed, static_cast<float>(render.width) / static_cast<float>(render.height),
                          options.yaw.value_or(facing.yaw), options.pitch.value_or(facing.pitch));
-  render.camera.distance /= options.zoom;
+  render.camera.distance = options.distance.value_or(render.camera.distance / options.zoom);
   if (options.target.size() == 3)
     render.camera.target = {static_cast<float>(options.target[0] - frame.origin[0]),
                             static_cast<float>(options.target[1] - frame.origin[1]),
@@ -134,9 +134,16 @@ Command addRender(CLI::App& app) {
   command->add_option("--pitch", options->pitch, "Orbit upwards in degrees")
       ->check(requireFloat)
       ->check(CLI::Range(-89.0, 89.0));
-  command->add_option("--zoom", options->zoom, "Nearer (above 1) or farther than what fits the picture")
-      ->check(requireFloat)
-      ->check(CLI::Range(0.05, 50.0));
+  CLI::Option* zoom =
+      command->add_option("--zoom", options->zoom, "Nearer (above 1) or farther than what fits the picture")
+          ->check(requireFloat)
+          ->check(CLI::Range(0.05, 50.0));
+  command
+      ->add_option("--distance", options->distance,
+                   "From the camera to what it looks at, in units of the asset; with --yaw and --target the "
+                   "camera stands still for all frames of a clip (default: what fits the pose)")
+      ->check(requirePositive)
+      ->excludes(zoom);
   command->add_option("--target", options->target, "X Y Z to look at, in root space (default: the middle)")
       ->expected(3)
       ->check(requireFloat);

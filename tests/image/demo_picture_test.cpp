@@ -162,6 +162,22 @@ TEST_F(DemoPicture, ABentElbowFoldsTheSleeve) {
   expectNearlyTheSameInSoftware(bend);
 }
 
+// The upper arm, which no joint moves, is at the same pixels in all frames of the bend.
+TEST_F(DemoPicture, ACameraAtADistanceStandsStill) {
+  cook("sleeve", {"--view", "point", "--yaw", "0", "--target", "0.3", "0", "0"});
+  const auto differs = [&](const std::vector<std::string>& camera) {
+    std::vector<std::string> bend = {"--clip", "bend", "--time", "0.62"};
+    bend.insert(bend.end(), camera.begin(), camera.end());
+    const Image still = draw("none", camera), bent = draw("none", bend);
+    size_t count = 0;
+    for (uint32_t y = 0; y < 256; ++y)
+      for (uint32_t x = 0; x < 80; ++x) count += still.at(x, y)[0] != bent.at(x, y)[0];
+    return count;
+  };
+  EXPECT_EQ(differs({"--distance", "1.4"}), 0);
+  EXPECT_GT(differs({}), 100);
+}
+
 TEST_F(DemoPicture, ALeaningJacketFoldsAtTheWaist) {
   cook("jacket", {"--yaw", "24", "--zoom", "2.4", "--target", "0", "-0.18", "0"});
   const std::vector<std::string> lean = {"--clip", "lean", "--time", "1"};
