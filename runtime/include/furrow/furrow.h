@@ -475,7 +475,10 @@ typedef struct FurrowPlanDesc {
   int32_t posed_by_host;  // the host fills FURROW_BUFFER_POSITIONS, the plan poses nothing
   int32_t normals;        // pose normals and tangents too
   uint32_t skinning;
-  int32_t ease;        // attack and release of weights; set FurrowFrame.reset in the first frame
+  // Attack and release of weights; set FurrowFrame.reset in the first frame. At FurrowFrame.fade_out 1 a plan
+  // that is executed computes and eases on, where furrow_instance_frame() computes nothing and then resets:
+  // set reset in the next frame below 1 for the same weights.
+  int32_t ease;
   uint32_t instances;  // 0: 1; more in the clustered form alone
   // Extra smoothing, as FurrowFrame.laplace_steps then says again; makes a clustered plan staged.
   uint32_t laplace_steps;
