@@ -62,8 +62,8 @@ Settings readSettings(const std::filesystem::path& file) {
     for (const json& entry : *recent)
       if (entry.is_string() && settings.recent.size() < Settings::kMostRecent)
         settings.recent.push_back(path(entry.get<std::string>()));
-  read(from, "width", settings.width, 320, 16384);
-  read(from, "height", settings.height, 240, 16384);
+  read(from, "width", settings.width, Settings::kLeastWidth, 16384);
+  read(from, "height", settings.height, Settings::kLeastHeight, 16384);
   read(from, "scale", settings.scale, 0.5f, 4.0f);
   if (const auto tier = from.find("tier"); tier != from.end() && tier->is_string())
     for (const char* known : {"auto", "gpu", "gpu-raster", "cpu"})

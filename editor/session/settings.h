@@ -19,6 +19,7 @@ struct Settings {
   std::filesystem::path folder;                   // that the file dialog showed last
 
   static constexpr size_t kMostRecent = 10;
+  static constexpr int kLeastWidth = 640, kLeastHeight = 480;  // smaller windows leave no view
   static constexpr float kLeastPanel = 12.0f, kMostPanel = 60.0f;
   void opened(const std::filesystem::path& file);
 };

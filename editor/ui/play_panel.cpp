@@ -49,8 +49,9 @@ void drawPlayPanel(State& state, const preview::PosedFrame* frame, Share& share)
   static std::string search;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 4.6f * em());
   ImGui::InputTextWithHint("##play.search", "Search sliders", &search);
+  if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(key::kEscape)) search.clear();
   mark("play.search");
-  tooltip("Shows the sliders whose names contain this; capitals do not matter  (Ctrl+F)");
+  tooltip("Shows the sliders whose names contain this; capitals do not matter. Escape shows all  (Ctrl+F)");
   if (pressed({'F', true, false})) ImGui::SetKeyboardFocusHere(-1);
   ImGui::SameLine();
   if (button("play.reset", "Reset", "Lets go of every slider: clip and file decide again",

@@ -8,6 +8,11 @@
 #include "pipeline/maps/image.h"
 
 namespace furrow::editor::ui {
+namespace {
+
+constexpr double kRounding = 1e-4;  // of a frame: a clip's length is stored as a float
+
+}  // namespace
 
 void Share::saveImage(State& state, Viewport& viewport, const preview::PosedFrame& frame,
                       const std::filesystem::path& file) {
@@ -32,7 +37,7 @@ void Share::startClip(State& state, const std::filesystem::path& folder) {
   folder_ = folder;
   turns_ = false;
   next_ = 0;
-  count_ = static_cast<int>(std::floor(seconds * options.fps)) + 1;
+  count_ = static_cast<int>(std::floor(seconds * options.fps + kRounding)) + 1;
 }
 
 void Share::step(State& state, Viewport& viewport) {

@@ -47,11 +47,11 @@ void parseSize(const std::string& text, int& width, int& height) {
   const auto [x, first] = std::from_chars(text.data(), end, width);
   if (first == std::errc() && x != end && *x == 'x') {
     const auto [stop, second] = std::from_chars(x + 1, end, height);
-    if (second == std::errc() && stop == end && width >= 320 && height >= 240 && width <= 8192 &&
-        height <= 8192)
+    if (second == std::errc() && stop == end && width >= Settings::kLeastWidth &&
+        height >= Settings::kLeastHeight && width <= 8192 && height <= 8192)
       return;
   }
-  throw Error(Exit::kBadUsage, "--size " + text, "is not WIDTHxHEIGHT from 320x240 to 8192x8192",
+  throw Error(Exit::kBadUsage, "--size " + text, "is not WIDTHxHEIGHT from 640x480 to 8192x8192",
               "write for example --size 1440x900");
 }
 
@@ -92,6 +92,9 @@ class Window {
       throw Error(Exit::kEnvironment, "display",
                   "no window with OpenGL 3.3 can be opened (" + Display::lastError() + ")",
                   "update the graphics driver");
+    const auto least = [this](int pixels) { return static_cast<int>(scale() * static_cast<float>(pixels)); };
+    glfwSetWindowSizeLimits(window_, least(Settings::kLeastWidth), least(Settings::kLeastHeight),
+                            GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     ImGui::CreateContext();

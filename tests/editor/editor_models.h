@@ -1,7 +1,7 @@
 #pragma once
 
 // A small character for the editor's tests: a sheet of 24 x 24 quads, 1 unit wide, that faces +Z and is
-// middle at x = 0; morph target "squeeze" draws it together sideways to 60%, clip "go" does so in a second.
+// middle at x = 0; morph target "squeeze" draws it together sideways to 60%, clip "go" does so in `seconds`.
 
 #include <filesystem>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace furrow::test {
 
-inline GltfBuilder editorSheetBuilder() {
+inline GltfBuilder editorSheetBuilder(float seconds = 1.0f) {
   constexpr uint32_t n = 24;
   std::vector<float> positions, uvs, deltas;
   std::vector<uint32_t> indices;
@@ -29,7 +29,7 @@ inline GltfBuilder editorSheetBuilder() {
   builder.add(indices, "SCALAR", 1);
   builder.add(uvs, "VEC2", 2);
   builder.add(deltas, "VEC3", 3);
-  builder.add(std::vector<float>{0.0f, 1.0f}, "SCALAR", 1);
+  builder.add(std::vector<float>{0.0f, seconds}, "SCALAR", 1);
   builder.add(std::vector<float>{0.0f, 1.0f}, "SCALAR", 1);
   return builder;
 }
@@ -38,8 +38,8 @@ inline constexpr const char* kEditorClip =
     R"("animations":[{"name":"go","samplers":[{"input":4,"output":5}],)"
     R"("channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}],)";
 
-inline std::string editorSheet() {
-  return editorSheetBuilder().glb(
+inline std::string editorSheet(float seconds = 1.0f) {
+  return editorSheetBuilder(seconds).glb(
       R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"materials":[{"name":"cloth"}],)" +
       std::string(kEditorClip) +
       R"("meshes":[{"name":"Sheet","extras":{"targetNames":["squeeze"]},"primitives":[{"material":0,)"

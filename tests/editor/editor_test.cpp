@@ -869,6 +869,65 @@ expect message "4 frames written"
   EXPECT_GT(difference(first, quarter, kBlock).mean, 2.0);
 }
 
+// The clip draws the sheet together to 60% in 0.7 seconds, which no float is.
+TEST_F(EditorTest, SavesTheFramesOfAClip) {
+  const fs::path frames = output() / "clip";
+  write("sheet.glb", editorSheet(0.7f));
+  expectPlays(sheet() + R"(
+drag timeline.time 0.01 0.5 0.3 0.5
+picture before
+click section.pictures
+click share.fps 0.3 0.5
+key Ctrl+A
+type 10
+key Enter
+click share.width 0.3 0.5
+key Ctrl+A
+type 320
+key Enter
+click share.height 0.3 0.5
+key Ctrl+A
+type 240
+key Enter
+click menu.File
+click file.clip
+click dialog.name 0.9 0.5
+key Ctrl+A
+type )" + frames.string() +
+              R"(
+key Enter
+wait
+expect message "8 frames written"
+picture after
+)");
+  EXPECT_FALSE(fs::exists(frames / "frame_0008.png"));
+  const auto width = [&](const char* name) {
+    const Image shown = pipeline::readImage(frames / name);
+    EXPECT_EQ(shown.width, 320u);
+    EXPECT_EQ(shown.height, 240u);
+    uint32_t count = 0;
+    for (uint32_t x = 0; x < shown.width; ++x) count += shown.at(x, 120)[0] > 0.25f;
+    return static_cast<double>(count);
+  };
+  const double rest = width("frame_0000.png");
+  EXPECT_GT(rest, 100.0);
+  EXPECT_NEAR(width("frame_0003.png") / rest, 1.0 - 0.4 * 3.0 / 7.0, 0.02);
+  EXPECT_NEAR(width("frame_0007.png") / rest, 0.6, 0.02);
+  EXPECT_LT(VIEWS_DIFFER("before", "after"), 1.0);  // the clip stands where it stood
+}
+
+TEST_F(EditorTest, EscapeEmptiesTheSearchOfSliders) {
+  const std::string searched = sheet() + R"(
+key Ctrl+F
+type other
+key Enter
+frames 2
+expect widget region.other
+)";
+  EXPECT_EQ(play(searched + "expect widget morph.squeeze\n").status, 2);
+  expectPlays(searched + "key Ctrl+F\nkey Escape\nframes 2\nexpect widget morph.squeeze\n");
+}
+
 TEST_F(EditorTest, TheKeyboardReachesTheFirstPanelAndTheListOfFiles) {
   expectPlays(R"(
 key Down
@@ -951,6 +1010,8 @@ TEST_F(EditorTest, RefusesWhatItCannotDoInOneLine) {
   };
   refused(run({"missing.glb"}, FURROW_EDITOR), 1, "missing.glb: there is no such file");
   refused(run({"--nonsense"}, FURROW_EDITOR), 2, "--help");
+  refused(run({"--script", write("script.txt", "frames 1\n"), "--size", "320x240"}, FURROW_EDITOR), 2,
+          "--size 320x240: is not WIDTHxHEIGHT from 640x480");
   refused(play("click nowhere\n"), 2, "line 1: there is no widget \"nowhere\"");
   refused(play("jump\n"), 2, "there is no command \"jump\"");
   refused(play(sheet() + "expect dirty\n"), 2, "expected dirty");

@@ -823,6 +823,7 @@ TEST_F(SessionTest, SettingsComeBackAndDamagedOnesAreTheDefaults) {
   EXPECT_EQ(read.tier, "cpu");
   EXPECT_FALSE(read.show_right);
   EXPECT_EQ(readSettings(folder() / "none.json").width, Settings().width);
+  EXPECT_EQ(readSettings(write("small.json", R"({"width": 320})")).width, Settings().width);
   EXPECT_EQ(readSettings(write("bad.json", "{ \"width\": ")).width, Settings().width);
   EXPECT_EQ(
       readSettings(write("odd.json", R"({"width": -3, "scale": "big", "recent": 4, "tier": "x"})")).tier,
