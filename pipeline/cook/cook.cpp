@@ -69,7 +69,8 @@ class Cook {
     cooked.bytes =
         writeAsset({ground_->scene, packed.surface, ground_->weld, recipe_, layers, sets, base_maps_.maps,
                     packed.parts, packed.source_vertex, packed.colors, packed.place_points, packed.influences,
-                    packed.position_error, packed.place_error});
+                    packed.position_error, packed.place_error},
+                   options_.threads);
     report();
     cooked.dependencies = ground_->scene.dependencies;
     const std::string name = ground_->scene.file.string();

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/type_ptr.hpp>
+#include <map>
 
 #include "asset_header.h"
 #include "pipeline/pack/morphs.h"
 #include "pipeline/pack/rig_section.h"
+#include "pipeline/parallel.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -30,9 +32,14 @@ std::vector<T> padded(std::vector<T> values) {  // streams hold whole words
   return values;
 }
 
+template <typename T>
+PackedStream packed(const std::vector<T>& values, uint32_t stride) {
+  return packStream(values.data(), stride, values.size() * sizeof(T) / stride);
+}
+
 class Writer {
  public:
-  explicit Writer(const PackInput& input) : in_(input) {}
+  Writer(const PackInput& input, uint32_t threads) : in_(input) { packLargest(threads); }
 
   std::vector<std::byte> write() {
     std::vector<Offset<format::Part>> parts;
@@ -51,12 +58,11 @@ class Writer {
           b_, b_.CreateString(set.name), writeTexture(set.normals), writeTexture(set.shading),
           writeTexture(set.masks), b_.CreateVector(set.compress_slice), b_.CreateVector(set.stretch_slice),
           set.windows.empty() ? 0 : b_.CreateVector(&set.windows[0].x, 4 * set.windows.size())));
-    const auto vertex_point =
-        writeStream(b_, in_.surface.vertex_point.data(), 4, in_.surface.vertex_point.size());
+    const auto vertex_point = writeStream(b_, packed(in_.surface.vertex_point, 4));
     const auto rest = std::holds_alternative<RestBind>(in_.recipe.rest)
                           ? Offset<format::Stream>()
                           : streamOf(in_.surface.point_positions, sizeof(glm::vec3));
-    const auto place_points = writeStream(b_, in_.place_points.data(), 8, in_.place_points.size());
+    const auto place_points = writeStream(b_, packed(in_.place_points, 8));
     const auto colors = streamOf(in_.colors, sizeof(glm::u8vec4));
     const auto base_maps = writeBaseMaps();
     const auto asset = format::CreateAsset(
@@ -80,20 +86,48 @@ class Writer {
   }
 
  private:
-  std::vector<Offset<format::Morph>> writeMorphs() {
-    std::vector<Offset<format::Morph>> out;
-    if (in_.scene.rig.morphs.empty()) return out;
+  struct Morph {
+    float position_step, normal_step;
+    PackedStream runs, positions, normals;
+  };
+
+  // The textures, and beside them the morph targets one after the other.
+  void packLargest(uint32_t threads) {
+    std::vector<const EncodedTexture*> textures;
+    for (const BakedTextureSet& set : in_.texture_sets)
+      textures.insert(textures.end(), {&set.normals, &set.shading, &set.masks});
+    for (const BakedBaseMaps& maps : in_.base_maps)
+      textures.insert(textures.end(), {&maps.color, &maps.normal});
+    for (const EncodedTexture* texture : textures) textures_[texture];
+    parallelFor(static_cast<uint32_t>(textures.size()) + 1, threads, [&](uint32_t i) {
+      if (i == 0) return packMorphs();
+      const EncodedTexture& texture = *textures[i - 1];
+      textures_.at(&texture) =
+          packed(texture.data, static_cast<uint32_t>(textureLevelBytes(texture.format, 1, 1, 0)));
+    });
+  }
+
+  void packMorphs() {
+    if (in_.scene.rig.morphs.empty()) return;
     MorphPacker packer(in_.scene, in_.surface, in_.source_vertex);
     for (uint32_t m = 0; m < in_.scene.rig.morphs.size(); ++m) {
-      const PackedMorph packed = packer.pack(m);
-      morph_error_ = std::max(morph_error_, packed.error);
-      const auto runs = streamOf(packed.runs, 8);
-      const auto positions = streamOf(packed.positions, packed.position_stride);
-      const auto normals = streamOf(packed.normals, 4);
+      const PackedMorph morph = packer.pack(m);
+      morph_error_ = std::max(morph_error_, morph.error);
+      morphs_.push_back({morph.position_step, morph.normal_step, packed(morph.runs, 8),
+                         packed(morph.positions, morph.position_stride), packed(morph.normals, 4)});
+    }
+  }
+
+  std::vector<Offset<format::Morph>> writeMorphs() {
+    std::vector<Offset<format::Morph>> out;
+    for (size_t m = 0; m < morphs_.size(); ++m) {
+      const Morph morph = std::move(morphs_[m]);
       const MorphTarget& target = in_.scene.rig.morphs[m];
+      const auto runs = unlessEmpty(morph.runs), positions = unlessEmpty(morph.positions),
+                 normals = unlessEmpty(morph.normals);
       out.push_back(format::CreateMorph(b_, b_.CreateString(target.name),
-                                        static_cast<float>(target.default_weight), packed.position_step,
-                                        packed.normal_step, runs, positions, normals));
+                                        static_cast<float>(target.default_weight), morph.position_step,
+                                        morph.normal_step, runs, positions, normals));
     }
     return out;
   }
@@ -143,8 +177,11 @@ class Writer {
 
   template <typename T>
   Offset<format::Stream> streamOf(const std::vector<T>& values, uint32_t stride) {
-    return values.empty() ? Offset<format::Stream>()
-                          : writeStream(b_, values.data(), stride, values.size() * sizeof(T) / stride);
+    return unlessEmpty(packed(values, stride));
+  }
+
+  Offset<format::Stream> unlessEmpty(const PackedStream& stream) {
+    return stream.count == 0 ? Offset<format::Stream>() : writeStream(b_, stream);
   }
 
   Offset<flatbuffers::Vector<Offset<format::BaseMaps>>> writeBaseMaps() {
@@ -166,8 +203,7 @@ class Writer {
 
   Offset<format::Texture> writeTexture(const EncodedTexture& texture) {
     if (texture.slices == 0) return {};
-    const auto stream =
-        streamOf(texture.data, static_cast<uint32_t>(textureLevelBytes(texture.format, 1, 1, 0)));
+    const auto stream = unlessEmpty(textures_.extract(&texture).mapped());
     return format::CreateTexture(b_, static_cast<uint8_t>(texture.format), texture.width, texture.height,
                                  texture.slices, texture.levels, stream,
                                  static_cast<float>(texture.rms_error),
@@ -175,14 +211,16 @@ class Writer {
   }
 
   const PackInput& in_;
+  std::map<const EncodedTexture*, PackedStream> textures_;
+  std::vector<Morph> morphs_;
   double morph_error_ = 0.0;
   FlatBufferBuilder b_{1 << 20};
 };
 
 }  // namespace
 
-std::vector<std::byte> writeAsset(const PackInput& input) {
-  return Writer(input).write();
+std::vector<std::byte> writeAsset(const PackInput& input, uint32_t threads) {
+  return Writer(input, threads).write();
 }
 
 }  // namespace furrow::pipeline

@@ -1,6 +1,6 @@
 #pragma once
 
-// The bytes of a .furrow file.
+// The bytes of a .furrow file, the same for any number of threads.
 
 #include <cstddef>
 #include <string>
@@ -32,6 +32,6 @@ struct PackInput {
   float place_error = 0.0f;
 };
 
-std::vector<std::byte> writeAsset(const PackInput& input);
+std::vector<std::byte> writeAsset(const PackInput& input, uint32_t threads);
 
 }  // namespace furrow::pipeline

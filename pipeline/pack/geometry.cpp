@@ -206,10 +206,10 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
         static_cast<uint8_t>(attribute.bits), builder.CreateVector(attribute.offset), attribute.step,
         attribute.values.empty()
             ? flatbuffers::Offset<format::Stream>()
-            : writeStream(builder, attribute.values.data(), 4, attribute.values.size())));
-  const auto indices =
-      raw ? writeStream(builder, part.indices.data(), 4, part.indices.size(), format::Codec::MeshoptSequence)
-          : flatbuffers::Offset<format::Stream>();
+            : writeStream(builder, packStream(attribute.values.data(), 4, attribute.values.size()))));
+  const auto indices = raw ? writeStream(builder, packStream(part.indices.data(), 4, part.indices.size(),
+                                                             format::Codec::MeshoptSequence))
+                           : flatbuffers::Offset<format::Stream>();
   const format::Color color(part.base_color.r, part.base_color.g, part.base_color.b, part.base_color.a);
   return format::CreatePart(builder, builder.CreateString(part.mesh), builder.CreateString(part.material),
                             part.vertices, part.triangles, builder.CreateVector(attributes),
@@ -262,8 +262,7 @@ uint32_t influencesOf(const PackedPart& part) {
   return 1;
 }
 
-flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,
-                                                uint32_t stride, size_t count, format::Codec codec) {
+PackedStream packStream(const void* data, uint32_t stride, size_t count, format::Codec codec) {
   std::vector<uint8_t> bytes;
   if (count > 0 && codec == format::Codec::MeshoptSequence) {
     const auto* words = static_cast<const uint32_t*>(data);
@@ -280,8 +279,13 @@ flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& 
       codec = format::Codec::Entropy;
     }
   }
-  return format::CreateStream(builder, codec, stride, static_cast<uint32_t>(count),
-                              builder.CreateVector(bytes));
+  return {codec, stride, static_cast<uint32_t>(count), std::move(bytes)};
+}
+
+flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder,
+                                                const PackedStream& stream) {
+  return format::CreateStream(builder, stream.codec, stream.stride, stream.count,
+                              builder.CreateVector(stream.bytes));
 }
 
 }  // namespace furrow::pipeline

@@ -69,10 +69,18 @@ double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t>
 // The upper three rows, row-major, as the file and the runtime's Affine hold a matrix.
 std::vector<float> affineRows(const glm::dmat4& matrix);
 
+struct PackedStream {
+  format::Codec codec{};
+  uint32_t stride = 4, count = 0;
+  std::vector<uint8_t> bytes;
+};
+
 // A stream through the codec; where that is MeshoptVertex, through the entropy coder instead if that takes a
 // twentieth less. `stride` is a multiple of 4.
-flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder, const void* data,
-                                                uint32_t stride, size_t count,
-                                                format::Codec codec = format::Codec::MeshoptVertex);
+PackedStream packStream(const void* data, uint32_t stride, size_t count,
+                        format::Codec codec = format::Codec::MeshoptVertex);
+
+flatbuffers::Offset<format::Stream> writeStream(flatbuffers::FlatBufferBuilder& builder,
+                                                const PackedStream& stream);
 
 }  // namespace furrow::pipeline
