@@ -168,7 +168,7 @@ class GltfImporter {
   void readMaterials() {
     for (const tinygltf::Material& in : model_.materials) {
       Material material;
-      material.name = in.name;
+      material.name = in.name.empty() ? named("material", scene_.materials.size()) : in.name;
       // Older exporters (Sketchfab's above all) give colours that way alone.
       const auto glossy = in.extensions.find("KHR_materials_pbrSpecularGlossiness");
       std::vector<double> color = in.pbrMetallicRoughness.baseColorFactor;
@@ -294,6 +294,7 @@ class GltfImporter {
         Part part;
         part.node = shown_[m][i];
         part.mesh = mesh.name.empty() ? scene_.rig.nodes[part.node].name : mesh.name;
+        if (part.mesh.empty()) part.mesh = named("mesh", m);
         part.primitive = primitive;
         part.material = material;
         part.first_morph = first_morphs[i];
@@ -744,7 +745,7 @@ class GltfImporter {
     report(unbalanced_vertices_, " vertices have skin weights that do not add up to 1 and were scaled");
   }
 
-  static std::string named(const char* kind, size_t index, const std::string& name) {
+  static std::string named(const char* kind, size_t index, const std::string& name = {}) {
     return std::string(kind) + " " + std::to_string(index) + (name.empty() ? "" : " \"" + name + "\"");
   }
 

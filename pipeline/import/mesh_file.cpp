@@ -652,6 +652,8 @@ SourceScene importMeshFile(const std::filesystem::path& file, MeshFormat format,
     scene.parts.push_back(std::move(part));
   }
   if (nameless) scene.materials.clear();
+  for (size_t m = 0; m < scene.materials.size(); ++m)
+    if (scene.materials[m].name.empty()) scene.materials[m].name = "material " + std::to_string(m);
 
   size_t unused = 0;
   for (uint32_t place = 0; place < mesh.positions.size(); ++place)

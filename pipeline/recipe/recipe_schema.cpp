@@ -181,8 +181,10 @@ Shape describeLayer() {
         materials = list(text("the name of a material"), 1, kMany);
   return object(
       {{"name", make(Kind::kName), "Name of the layer, unlike that of any other.", true},
-       {"meshes", meshes, "The meshes it lies on; default all."},
-       {"materials", materials, "The materials it lies on; default all."},
+       {"meshes", meshes,
+        "The meshes it lies on, \"mesh 0\" by number where the file has no name; default all."},
+       {"materials", materials,
+        "The materials it lies on, \"material 0\" by number where the file has no name; default all."},
        {"direction", describeDirection(),
         "The direction across the creases; \"map\" takes it from the compress map, a normal or height map; "
         "default "

@@ -51,7 +51,7 @@ struct Primitive {
 
 // A primitive as one node shows it.
 struct Part {
-  std::string mesh;  // name of the mesh, or of its node; may be empty
+  std::string mesh;  // name of the mesh, or of its node, else "mesh" and its number
   uint32_t primitive = 0;
   uint32_t material = kNoIndex;
   uint32_t node = 0;

@@ -220,7 +220,7 @@ TEST_F(Manifest, ABadManifestSaysWhatIsWrong) {
     expectRefused(cook(), 1, "assets.json: " + wrong);
   };
   refused("[]", "assets: is a list of 0: give a list of one or more values");
-  refused(R"([{"source": "one.obj"}])", "assets[0].output: is missing: give a text");
+  refused(R"([{"source": "one.obj"}])", "assets[0].output: is missing: give the path of a file");
   refused(R"([{"output": "one.furrow"}])", "assets[0] has no source: give \"source\", \"sequence\" or both");
   refused(R"([{"source": "one.obj", "outptu": "a"}])",
           "assets[0].outptu: no such key: did you mean \"output\"?");

@@ -62,17 +62,21 @@ inline std::string editorNameless() {
       R"({"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]}])");
 }
 
-// Two of them side by side: mesh "Face" of material "skin" and mesh "Coat" of material "cloth".
-inline std::string editorPair() {
-  const auto mesh = [](const char* name, int material) {
-    return std::string(R"({"name":")") + name +
-           R"(","extras":{"targetNames":["squeeze"]},"primitives":[{"material":)" + std::to_string(material) +
+// Two of them side by side: mesh "Face" of material "skin" and mesh "Coat" of material "cloth", or nameless.
+inline std::string editorPair(bool with_names = true) {
+  const auto name = [with_names](const char* text) {
+    return std::string(R"("name":")") + (with_names ? text : "") + "\"";
+  };
+  const auto mesh = [&name](const char* text, int material) {
+    return std::string("{") + name(text) +
+           R"(,"extras":{"targetNames":["squeeze"]},"primitives":[{"material":)" + std::to_string(material) +
            R"(,"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"targets":[{"POSITION":3}]}]})";
   };
   return editorSheetBuilder().glb(
       R"("scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0},{"mesh":1,"translation":[1.2,0,0]}],)"
-      R"("materials":[{"name":"skin"},{"name":"cloth"}],)" +
-      std::string(kEditorClip) + "\"meshes\":[" + mesh("Face", 0) + "," + mesh("Coat", 1) + "]");
+      R"("materials":[{)" +
+      name("skin") + "},{" + name("cloth") + "}]," + std::string(kEditorClip) + "\"meshes\":[" +
+      mesh("Face", 0) + "," + mesh("Coat", 1) + "]");
 }
 
 // Small maps cook fast.

@@ -699,6 +699,29 @@ expect no error
   EXPECT_EQ(text.find("\"meshes\""), std::string::npos) << text;
 }
 
+TEST_F(EditorTest, MeshesAndMaterialsWithoutANameAreChosenByNumber) {
+  write("pair.glb", editorPair(false));
+  write("pair.json", kEditorRecipe);
+  expectPlaysInFolder(R"(
+open @/pair.glb
+wait
+click section.response
+click layer.meshes
+click "layer.meshes.mesh 1"
+key Escape
+click layer.materials
+click "layer.materials.material 1"
+key Escape
+wait
+key Ctrl+S
+expect saved
+expect no error
+)");
+  const std::string text = readText(folder() / "pair.json");
+  EXPECT_NE(text.find("\"meshes\": [\"mesh 1\"]"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"materials\": [\"material 1\"]"), std::string::npos) << text;
+}
+
 TEST_F(EditorTest, RestPoseWeldAndSizesOfMapsAreChosen) {
   write("relaxed.obj", "v 0 0 0\n");
   expectPlaysInFolder(sheet() + R"(

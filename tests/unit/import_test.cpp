@@ -692,6 +692,10 @@ TEST(Import, ObjAsToolsWriteIt) {
   EXPECT_EQ(lines.primitives[0].uvs[1], glm::vec2(1, 1));
   EXPECT_EQ(lines.materials.at(0).name, "a");
   EXPECT_EQ(importText("spaced.obj", square + "usemtl my skin\nf 1 2 3 4\n").materials[0].name, "my skin");
+  const SourceScene late = importText("late.obj", square + "f 1 2 3\nusemtl skin\nf 1 3 4\n");
+  ASSERT_EQ(late.materials.size(), 2u);
+  EXPECT_EQ(late.materials[0].name, "material 0");
+  EXPECT_EQ(late.materials[1].name, "skin");
 }
 
 TEST(Import, NonManifoldFacesStay) {
