@@ -183,7 +183,8 @@ void Stroke::moveTo(glm::vec3 rest, glm::vec3 normal) {
   if (begun_ && rest == last_) return;
   cover(from, rest, normal);
   if (brush_.mirror) {
-    const glm::vec3 flip(-1, 1, 1);
+    glm::vec3 flip(1.0f);
+    flip[brush_.mirror_axis] = -1.0f;
     cover(from * flip, rest * flip, normal * flip);
   }
   begun_ = true;

@@ -24,7 +24,8 @@ struct Brush {
   float strength = 0.8f;  // (0, 1]: how far a stroke goes towards what it paints
   float falloff = 0.6f;   // [0, 1]: the part of the radius over which it fades; 0 is a hard edge
   float bias = 1.0f;      // [-1, 1]: the weight that a bias stroke adds
-  bool mirror = false;    // also at -x of the root space
+  bool mirror = false;    // also on the other side of 0 along `mirror_axis` of the root space
+  int mirror_axis = 0;    // x, y or z
   bool erase = false;     // back to neutral, black, or no direction
 };
 

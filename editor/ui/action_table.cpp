@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "editor/ui/editor.h"
+#include "editor/ui/widgets.h"
 
 namespace furrow::editor::ui {
 namespace {
@@ -170,10 +171,24 @@ std::vector<Action> Editor::editActions() {
            .menu = "Edit",
            .label = "Mirror strokes",
            .chord = {.key = 'X'},
-           .tip = "Paint on the other side (-x) too",
+           .tip = "Paint on the other side too",
            .run = [&s] { s.brush.mirror = !s.brush.mirror; },
            .enabled = editable,
            .checked = [&s] { return s.brush.mirror; }},
+          {.id = "brush.mirror_axis",
+           .menu = "Edit",
+           .label = "Mirror at",
+           .tip = "The plane of the scene that strokes are mirrored at",
+           .enabled = editable,
+           .submenu =
+               [&s] {
+                 constexpr const char* kPlanes[] = {"x = 0", "y = 0", "z = 0"};
+                 for (int axis = 0; axis < 3; ++axis) {
+                   if (ImGui::MenuItem(kPlanes[axis], nullptr, s.brush.mirror_axis == axis))
+                     s.brush.mirror_axis = axis;
+                   mark(("brush.mirror_axis." + std::to_string(axis)).c_str());
+                 }
+               }},
           {.id = "brush.erase",
            .menu = "Edit",
            .label = "Erase",

@@ -333,6 +333,28 @@ expect no error
   EXPECT_EQ(play(again + "layer.mask_image\n").status, 2);
 }
 
+TEST_F(EditorTest, StrokesAreMirroredAtThePlaneThatIsChosen) {
+  expectPlays(sheet() + R"(
+key B
+key X
+click menu.Edit
+click brush.mirror_axis
+click brush.mirror_axis.1
+drag viewport 0.45 0.35 0.55 0.35
+key Ctrl+S
+expect saved
+)");
+  const Image bias = pipeline::readImage(folder() / "sheet_lines_bias.png");
+  const uint32_t middle = bias.width / 2, quarter = bias.height / 4;
+  float up = 0.0f, down = 0.0f;
+  for (uint32_t y = 0; y < 2 * quarter; ++y) {
+    up = std::max(up, bias.at(middle, y)[0]);
+    down = std::max(down, bias.at(middle, y + 2 * quarter)[0]);
+  }
+  EXPECT_GT(up, 0.7f);
+  EXPECT_NEAR(down, up, 0.02f);
+}
+
 TEST_F(EditorTest, StrokesThatComeFromBesideTheSurfaceBeginWhereTheyMeetIt) {
   expectPlays(sheet() + R"(
 key B

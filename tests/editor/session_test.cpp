@@ -524,6 +524,18 @@ TEST_F(PaintedSheet, AStrokeCoversWhatIsWithinItsRadiusOnceAndOnBothSidesOfTheMi
   }
 }
 
+TEST_F(PaintedSheet, StrokesAreMirroredAtThePlaneThatIsChosen) {
+  brush_.mirror = true;
+  brush_.mirror_axis = 1;
+  Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
+  stroke.moveTo({0.25f, 0.3f, 0.0f}, {0, 0, 1});
+  const pipeline::ByteImage image = stroke.image();
+  EXPECT_GT(*at(image, 0.25f, 0.3f), 200);
+  EXPECT_EQ(*at(image, 0.25f, -0.3f), *at(image, 0.25f, 0.3f));
+  EXPECT_EQ(*at(image, -0.25f, 0.3f), 128);
+  EXPECT_EQ(*at(image, -0.25f, -0.3f), 128);
+}
+
 TEST_F(PaintedSheet, TheBrushDoesNotReachTheOtherSide) {
   Stroke stroke(canvas_, current(Painted::kBias), Painted::kBias, brush_, diagonalOf(asset()));
   stroke.moveTo({0.0f, 0.0f, 0.0f}, {0, 0, -1});
