@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "pipeline/pack/entropy_encoder.h"
+#include "pipeline/release.h"
 #include "rest_surface.h"
 
 namespace furrow::pipeline {
@@ -30,7 +31,7 @@ constexpr size_t kWorthIt = 20;
 template <typename Vector>
 PackedAttribute quantize(format::Semantic semantic, const std::vector<Vector>& values, uint32_t bits,
                          float step = 0.0f) {
-  PackedAttribute attribute{semantic, static_cast<uint32_t>(Vector::length()), bits, {}, step, {}};
+  PackedAttribute attribute{semantic, static_cast<uint32_t>(Vector::length()), bits, {}, step, {}, {}};
   Vector lowest = values.front(), highest = values.front();
   for (const Vector& v : values) {
     lowest = glm::min(lowest, v);
@@ -69,8 +70,8 @@ void packSkin(const Primitive& primitive, PackedPart& part) {
     used = std::max(used,
                     static_cast<uint32_t>(most - std::count(&shares[v * most], &shares[v * most] + most, 0)));
   }
-  PackedAttribute joints{format::Semantic::Joints, used, 16, {}, 1.0f, {}};
-  PackedAttribute weights{format::Semantic::Weights, used, 16, {}, 1.0f, {}};
+  PackedAttribute joints{format::Semantic::Joints, used, 16, {}, 1.0f, {}, {}};
+  PackedAttribute weights{format::Semantic::Weights, used, 16, {}, 1.0f, {}, {}};
   joints.values.reserve(size_t{part.vertices} * used);
   weights.values.reserve(size_t{part.vertices} * used);
   for (size_t v = 0; v < part.vertices; ++v) {
@@ -140,7 +141,12 @@ bool encodeDraco(PackedPart& part, const std::vector<uint32_t>& indices, int met
   return true;
 }
 
-Status decodePacked(const PackedPart& part, uint32_t influences, PartGeometry& out) {
+// Puts streams in the place of the values.
+Status packAndDecode(PackedPart& part, uint32_t influences, PartGeometry& out) {
+  for (PackedAttribute& attribute : part.attributes) {
+    attribute.stream = packStream(attribute.values.data(), 4, attribute.values.size());
+    release(attribute.values);
+  }
   flatbuffers::FlatBufferBuilder builder;
   builder.Finish(writePart(builder, part));
   return decodePart(*flatbuffers::GetRoot<format::Part>(builder.GetBufferPointer()), influences, out);
@@ -160,9 +166,9 @@ PackedPart quantizePart(const Primitive& primitive, std::span<const glm::vec3> n
   position.bits = std::bit_width(*std::max_element(position.values.begin(), position.values.end()) | 1u);
   if (!primitive.uvs.empty()) part.attributes.push_back(quantize(format::Semantic::Uv, primitive.uvs, 16));
 
-  PackedAttribute normal{format::Semantic::Normal, 2, kNormalBits, {}, 1.0f, {}};
-  PackedAttribute tangent{format::Semantic::Tangent, 1, kTangentBits, {}, 1.0f, {}};
-  PackedAttribute source{format::Semantic::Source, 1, 30, {}, 1.0f, {}};
+  PackedAttribute normal{format::Semantic::Normal, 2, kNormalBits, {}, 1.0f, {}, {}};
+  PackedAttribute tangent{format::Semantic::Tangent, 1, kTangentBits, {}, 1.0f, {}, {}};
+  PackedAttribute source{format::Semantic::Source, 1, 30, {}, 1.0f, {}, {}};
   normal.values.reserve(size_t{2} * part.vertices);
   tangent.values.reserve(part.vertices);
   source.values.reserve(part.vertices);
@@ -187,12 +193,12 @@ PackedPart packGeometry(const std::function<PackedPart()>& quantized, const std:
   if (codec == GeometryCodec::kDraco)
     for (const int method : {draco::MESH_EDGEBREAKER_ENCODING, draco::MESH_SEQUENTIAL_ENCODING}) {
       PackedPart part = quantized();
-      if (encodeDraco(part, indices, method) && decodePacked(part, influencesOf(part), decoded).ok())
+      if (encodeDraco(part, indices, method) && packAndDecode(part, influencesOf(part), decoded).ok())
         return part;
     }
   PackedPart part = quantized();
-  part.indices = indices;
-  if (const Status status = decodePacked(part, influencesOf(part), decoded); !status.ok())
+  part.indices = packStream(indices.data(), 4, indices.size(), format::Codec::MeshoptSequence);
+  if (const Status status = packAndDecode(part, influencesOf(part), decoded); !status.ok())
     throw std::runtime_error(status.message);
   return part;
 }
@@ -204,12 +210,9 @@ flatbuffers::Offset<format::Part> writePart(flatbuffers::FlatBufferBuilder& buil
     attributes.push_back(format::CreateAttribute(
         builder, attribute.semantic, static_cast<uint8_t>(attribute.components),
         static_cast<uint8_t>(attribute.bits), builder.CreateVector(attribute.offset), attribute.step,
-        attribute.values.empty()
-            ? flatbuffers::Offset<format::Stream>()
-            : writeStream(builder, packStream(attribute.values.data(), 4, attribute.values.size()))));
-  const auto indices = raw ? writeStream(builder, packStream(part.indices.data(), 4, part.indices.size(),
-                                                             format::Codec::MeshoptSequence))
-                           : flatbuffers::Offset<format::Stream>();
+        attribute.stream.count == 0 ? flatbuffers::Offset<format::Stream>()
+                                    : writeStream(builder, attribute.stream)));
+  const auto indices = raw ? writeStream(builder, part.indices) : flatbuffers::Offset<format::Stream>();
   const format::Color color(part.base_color.r, part.base_color.g, part.base_color.b, part.base_color.a);
   return format::CreatePart(builder, builder.CreateString(part.mesh), builder.CreateString(part.material),
                             part.vertices, part.triangles, builder.CreateVector(attributes),

@@ -21,19 +21,26 @@
 
 namespace furrow::pipeline {
 
+struct PackedStream {
+  format::Codec codec{};
+  uint32_t stride = 4, count = 0;
+  std::vector<uint8_t> bytes;
+};
+
 struct PackedAttribute {
   format::Semantic semantic{};
   uint32_t components = 1, bits = 16;
   std::vector<float> offset;
   float step = 0.0f;
-  std::vector<uint32_t> values;  // components a vertex that Draco has not got
+  std::vector<uint32_t> values;  // components a vertex
+  PackedStream stream;           // of the values that Draco has not got
 };
 
 struct PackedPart {
   uint32_t vertices = 0, triangles = 0;
   std::vector<PackedAttribute> attributes;
-  std::vector<uint8_t> draco;     // empty: raw
-  std::vector<uint32_t> indices;  // raw
+  std::vector<uint8_t> draco;  // empty: raw
+  PackedStream indices;        // raw
   // Of the part, to be filled by the cook.
   std::string mesh, material;
   uint32_t palette_begin = 0, palette_count = 1, texture_set = 0xffffffffu, base_maps = 0xffffffffu;
@@ -55,7 +62,7 @@ PackedPart quantizePart(const Primitive& primitive, std::span<const glm::vec3> n
 
 // Encodes what `quantized` makes, which is asked again where Draco fails, so that nothing is kept twice
 // meanwhile. With Draco the vertices get a new order and triangles with a corner twice are dropped. `decoded`
-// is what the runtime will make of it, with influencesOf(part) joints a vertex.
+// is what the runtime will make of it, with influencesOf(part) joints a vertex. Values are given back.
 PackedPart packGeometry(const std::function<PackedPart()>& quantized, const std::vector<uint32_t>& indices,
                         GeometryCodec codec, PartGeometry& decoded);
 
@@ -68,12 +75,6 @@ double shortEdge(std::span<const glm::vec3> positions, std::span<const uint32_t>
 
 // The upper three rows, row-major, as the file and the runtime's Affine hold a matrix.
 std::vector<float> affineRows(const glm::dmat4& matrix);
-
-struct PackedStream {
-  format::Codec codec{};
-  uint32_t stride = 4, count = 0;
-  std::vector<uint8_t> bytes;
-};
 
 // A stream through the codec; where that is MeshoptVertex, through the entropy coder instead if that takes a
 // twentieth less. `stride` is a multiple of 4.
