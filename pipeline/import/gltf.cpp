@@ -232,11 +232,12 @@ class GltfImporter {
 
   static tinygltf::TextureInfo textureInfo(const tinygltf::Value& value) {
     tinygltf::TextureInfo info;
+    if (!value.IsObject()) return info;
     if (const tinygltf::Value& index = value.Get("index"); index.IsInt()) info.index = index.Get<int>();
     if (const tinygltf::Value& set = value.Get("texCoord"); set.IsInt()) info.texCoord = set.Get<int>();
-    if (const tinygltf::Value& transform = value.Get("extensions").Get("KHR_texture_transform");
-        transform.IsObject())
-      info.extensions.emplace("KHR_texture_transform", transform);
+    if (const tinygltf::Value& extensions = value.Get("extensions");
+        extensions.IsObject() && extensions.Get("KHR_texture_transform").IsObject())
+      info.extensions.emplace("KHR_texture_transform", extensions.Get("KHR_texture_transform"));
     return info;
   }
 

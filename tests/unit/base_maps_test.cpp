@@ -293,6 +293,10 @@ TEST(BaseMaps, OlderMaterialsHaveTheirColoursElsewhere) {
   EXPECT_EQ(mapsOf(result).color_uv[4], 0.5f);
   EXPECT_EQ(result.asset.view().parts[0].base_color.y, 0.5f);
   EXPECT_EQ(result.asset.view().parts[0].base_color.w, 0.25f);
+  const Result plain = cookFile(square.write(
+      "glossy.glb", image, "\"source\":0",
+      "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":{\"index\":0}}}"));
+  EXPECT_EQ(mapsOf(plain).color_uv[4], 0.0f);
   const Result bare =
       cookFile(square.write("glossy.glb", image, "\"source\":0",
                             "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":[],"
