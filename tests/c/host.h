@@ -50,6 +50,22 @@ inline FurrowAssetInfo infoOf(const FurrowAsset* asset) {
   return info;
 }
 
+inline FurrowGeometry geometryOf(const FurrowAsset* asset) {
+  FurrowStatus status;
+  FurrowGeometry geometry = {};
+  geometry.size = sizeof geometry;
+  must(furrow_asset_geometry(asset, &geometry, &status), status);
+  return geometry;
+}
+
+inline FurrowPartInfo partOf(const FurrowAsset* asset, uint32_t number) {
+  FurrowStatus status;
+  FurrowPartInfo part = {};
+  part.size = sizeof part;
+  must(furrow_part_info(asset, number, &part, &status), status);
+  return part;
+}
+
 inline FurrowInstance* makeInstance(FurrowAsset* asset, uint32_t features) {
   FurrowStatus status;
   FurrowInstance* instance = nullptr;

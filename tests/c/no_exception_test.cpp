@@ -101,9 +101,7 @@ void testAsset(const std::vector<char>& file) {
     furrow_instance_release(instance);
     return code;
   });
-  FurrowGeometry geometry = {};
-  geometry.size = sizeof geometry;
-  must(furrow_asset_geometry(asset, &geometry, &status), status);
+  const FurrowGeometry geometry = geometryOf(asset);
   for (const float tolerance : {0.0f, 1e-4f})
     expectEveryFailure("binding", [&] {
       FurrowBindDesc desc = {};

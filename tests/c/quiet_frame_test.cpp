@@ -178,12 +178,8 @@ struct Subject {
         deltas(info.morphs, delta.data()),
         halves(6 * size_t{info.vertices}) {
     FurrowStatus status;
-    FurrowGeometry geometry = {};
-    geometry.size = sizeof geometry;
-    must(furrow_asset_geometry(asset, &geometry, &status), status);
-    FurrowPartInfo part = {};
-    part.size = sizeof part;
-    must(furrow_part_info(asset, 0, &part, &status), status);
+    const FurrowGeometry geometry = geometryOf(asset);
+    const FurrowPartInfo part = partOf(asset, 0);
     FurrowBindDesc desc = {};
     desc.size = sizeof desc;
     desc.positions.data = geometry.positions, desc.positions.bytes = 12 * size_t{info.vertices};

@@ -110,9 +110,7 @@ void testSameBits(const std::vector<char>& file) {
       FURROW_CHECK(weights == expected);
 
       // Vertices of one point: the same bits, but for what was painted on each.
-      FurrowGeometry geometry = {};
-      geometry.size = sizeof geometry;
-      furrow_asset_geometry(asset, &geometry, nullptr);
+      const FurrowGeometry geometry = geometryOf(asset);
       uint32_t seams = 0;
       for (uint32_t l = 0; l < info.layers; ++l) {
         FurrowLayerInfo layer = {};
@@ -222,12 +220,8 @@ void testOneBindingForAllInstances(const std::vector<char>& file) {
   FurrowAsset* asset = loadAsset(context, file);
   const FurrowAssetInfo info = infoOf(asset);
   FurrowStatus status;
-  FurrowGeometry geometry = {};
-  geometry.size = sizeof geometry;
-  must(furrow_asset_geometry(asset, &geometry, &status), status);
-  FurrowPartInfo part = {};
-  part.size = sizeof part;
-  must(furrow_part_info(asset, 0, &part, &status), status);
+  const FurrowGeometry geometry = geometryOf(asset);
+  const FurrowPartInfo part = partOf(asset, 0);
   std::vector<float> vertices(3 * size_t{part.vertex_end});
   for (size_t v = part.vertex_begin; v < part.vertex_end; ++v)
     std::copy_n(geometry.positions + 3 * v, 3, &vertices[3 * (part.vertex_end - 1 - v)]);
