@@ -62,6 +62,11 @@ bool CookWorker::busy() const {
   return at_work_ || waiting_ || !outputs_.empty() || !results_.empty();
 }
 
+bool CookWorker::done() const {
+  const std::lock_guard lock(mutex_);
+  return !results_.empty();
+}
+
 std::string CookWorker::stage() const {
   const std::lock_guard lock(mutex_);
   return stage_;

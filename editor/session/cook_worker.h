@@ -52,6 +52,7 @@ class CookWorker {
   std::optional<CookResult> take();  // the oldest result not yet taken
   void proceed();                    // the draft that was taken has been shown: the whole cook may begin
   bool busy() const;                 // something waits or is at work
+  bool done() const;                 // a result can be taken
   std::string stage() const;         // of the cook at work, for people; empty: none
 
  private:

@@ -50,6 +50,7 @@ class Session {
   const pipeline::Recipe& resolved() const { return resolved_; }  // of shown(), all worked out
   const pipeline::CookReport& report() const { return report_; }
   bool cooking() const { return worker_.busy(); }
+  bool cooked() const { return worker_.done(); }  // a result waits for update()
   std::string stage() const { return worker_.stage(); }
   // Why what is shown is not what the document says; empty: it is, or will be.
   const std::string& recipeError() const { return recipe_error_; }  // of the recipe as it lies on disk

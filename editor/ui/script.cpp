@@ -153,6 +153,16 @@ class Runner {
     pass(3);
   }
 
+  // As on a slow screen: no frame is drawn until the cook's first result is there.
+  void stall() const {
+    const auto begin = std::chrono::steady_clock::now();
+    while (!editor_.state().session.cooked()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      if (std::chrono::steady_clock::now() - begin > kPatience)
+        fail("the cook does not end", "cook a smaller file");
+    }
+  }
+
   void expect(const std::vector<std::string>& words) const {
     const Session& session = editor_.state().session;
     const std::string what = words.size() > 1 ? words[1] : "", rest = words.size() > 2 ? words[2] : "";
@@ -190,7 +200,9 @@ class Runner {
     };
     if (what == "open") {
       editor_.open(argument(1));
-      pass(2);
+      pass(1);
+      if (words.size() > 2 && words[2] == "stalled") stall();
+      pass(1);
     } else if (what == "drop") {
       editor_.drop(argument(1));
       pass(2);

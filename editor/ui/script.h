@@ -4,7 +4,7 @@
 // editor as a person would. One command a line, words apart by spaces, text with spaces in quotes, '#' begins
 // a remark:
 //
-//   open FILE                         as the dialog would
+//   open FILE [stalled]               as the dialog would; stalled: no frame is drawn until it is cooked
 //   drop FILE                         as if dropped on the window
 //   wait                              until nothing is cooking
 //   frames N                          lets N frames of 1/30 s pass

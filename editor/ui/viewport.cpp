@@ -288,7 +288,7 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   const ImVec2 low = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
   if (size.x < 8.0f || size.y < 8.0f) return;
   const ImVec2 high = {low.x + size.x, low.y + size.y};
-  aspect_ = size.x / size.y;
+  const float aspect_before = std::exchange(aspect_, size.x / size.y);
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(low, high, IM_COL32(26, 27, 29, 255));
   const std::shared_ptr<Shown>& shown = state.session.shown();
@@ -303,6 +303,7 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
     state.camera.yaw = facing.yaw;
     state.camera.pitch = facing.pitch;
     frameAll(state, *frame);
+    state.framed = aspect_ == aspect_before;  // the panels around it take a frame to find their sizes
   }
 
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;

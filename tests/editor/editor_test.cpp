@@ -110,6 +110,13 @@ TEST_F(EditorTest, ShowsASqueezedSheetWithItsWrinklesAndWeights) {
   EXPECT_GT(difference(picture("squeezed"), picture("split"), kBlock).worst_block, 3.0 * kBlockTolerance);
 }
 
+// Before the panels have their sizes.
+TEST_F(EditorTest, AFileThatIsThereInTheFirstFrameIsFramedAsAnyOther) {
+  expectPlays("open " + (folder() / "sheet.glb").string() + " stalled\nwait\n" + kLooks);
+  expectStored("squeezed");
+  expectStored("split");
+}
+
 bool canOpenWindows() {
   return std::system("command -v xvfb-run >/dev/null && command -v xauth >/dev/null") == 0;
 }
