@@ -1,6 +1,7 @@
 #include "host_asset.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "furrow/skinning.h"
 
@@ -37,6 +38,12 @@ Status readStream(const FurrowStream& stream, const char* name, VertexStream& ou
 }
 
 namespace {
+
+// Of what is not handed out after all.
+struct Release {
+  void operator()(FurrowAsset* asset) const { furrow_asset_release(asset); }
+  void operator()(FurrowBinding* binding) const { furrow_binding_release(binding); }
+};
 
 // Strings of an asset end in 0 or are empty.
 const char* nameOf(std::string_view name) {
@@ -157,19 +164,10 @@ int32_t furrow_asset_create(FurrowContext* context, const FurrowAssetDesc* desc,
     if (Status s = readStruct(desc, wanted, "desc"); !s.ok()) return s;
     if (!wanted.bytes) return invalid("desc.bytes is NULL");
     if (wanted.flags & ~uint32_t{FURROW_ASSET_STAGED}) return invalid("desc.flags has an unknown flag");
-    FurrowAsset* made = create<FurrowAsset>(*context, *context);
-    const Status s = [&] {
-      try {
-        return loadAsset(*made, wanted);
-      } catch (const std::bad_alloc&) {
-        return Status::error(StatusCode::kOutOfMemory, "out of memory");
-      }
-    }();
-    if (s.ok())
-      *asset = made;
-    else
-      furrow_asset_release(made);
-    return s;
+    std::unique_ptr<FurrowAsset, Release> made(create<FurrowAsset>(*context, *context));
+    if (Status s = loadAsset(*made, wanted); !s.ok()) return s;
+    *asset = made.release();
+    return {};
   });
 }
 
@@ -336,20 +334,13 @@ int32_t furrow_binding_create(FurrowAsset* asset, const FurrowBindDesc* desc, Fu
       return Status::error(StatusCode::kInvalidArgument, "desc.positions holds fewer than %u vertices",
                            wanted.vertices);
     FurrowBindCounts found = {};
-    FurrowBinding* made = create<FurrowBinding>(asset->context, *asset, wanted.vertices);
-    Status s = [&] {
-      try {
-        return bind(*asset, wanted, from, *made, found);
-      } catch (const std::bad_alloc&) {
-        return Status::error(StatusCode::kOutOfMemory, "out of memory");
-      }
-    }();
-    if (s.ok() && counts) s = writeStruct(found, counts);
-    if (s.ok())
-      *binding = made;
-    else
-      furrow_binding_release(made);
-    return s;
+    std::unique_ptr<FurrowBinding, Release> made(
+        create<FurrowBinding>(asset->context, *asset, wanted.vertices));
+    if (Status s = bind(*asset, wanted, from, *made, found); !s.ok()) return s;
+    if (counts)
+      if (Status s = writeStruct(found, counts); !s.ok()) return s;
+    *binding = made.release();
+    return {};
   });
 }
 

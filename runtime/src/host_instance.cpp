@@ -249,6 +249,9 @@ int32_t furrow_instance_reload(FurrowInstance** instance, FurrowAsset* asset, vo
     if (!instance || !*instance || !asset) return invalid(asset ? "instance is NULL" : "asset is NULL");
     FurrowInstance* old = *instance;
     FurrowInstance* made = nullptr;
+    const auto begin = reinterpret_cast<uintptr_t>(memory), used = reinterpret_cast<uintptr_t>(old);
+    if (memory && begin < used + old->bytes && used < begin + memory_bytes)
+      return invalid("the memory is the old instance's, which is read until the new one stands");
     if (Status s = makeInstance(*asset, old->features, memory, memory_bytes, &made); !s.ok()) return s;
     keepEased(*old, *made);
     made->calls = old->calls;

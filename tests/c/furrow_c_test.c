@@ -1153,6 +1153,8 @@ static void testMemoryAndReload(FurrowContext* context, Host* host, File face, F
   frame.eases = eases, frame.region_weights = regions;
   CHECK_OK(furrow_instance_frame(instance, &frame, NULL, &status));
   expected = copyWeights(instance, &info);
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT, furrow_instance_reload(&instance, again, aligned, more, &status));
+  CHECK((char*)instance == aligned && furrow_instance_asset(instance) == a);
   for (l = 0; l < FURROW_MAX_LAYERS; ++l) regions[l] = 0.0f;
   CHECK_OK(
       furrow_instance_reload(&instance, again, NULL, 0, &status)); /* no time passes: the weights stand */

@@ -104,8 +104,9 @@ typedef struct FurrowContextDesc {
   void (*log)(void* user, int32_t severity, const char* message);
   // Calls task(data, begin, end, worker) for ranges that make up [0, count), in any order, on any threads,
   // and returns when all have returned. Ranges of `grain` items or more are worth a job. `worker`, below
-  // `workers`, is never in two calls of the same parallel_for at once. NULL: the calling thread does
-  // everything.
+  // `workers`, is never in two calls of the same parallel_for at once. Ranges or workers beyond those are not
+  // run, and the call fails when all have returned, what it writes being half done. NULL: the calling thread
+  // does everything.
   void (*parallel_for)(void* user, uint32_t count, uint32_t grain, FurrowTask task, void* data);
   uint32_t workers;  // 0: 1
   uint32_t simd;
@@ -430,7 +431,8 @@ FURROW_API int32_t furrow_instance_forget_rest(FurrowInstance* instance, FurrowS
 // numbers changed). Kept where both assets have the same number of vertices: the eased weights of layers that
 // have the name in both. Reset: other weights to 0, a recaptured rest, positions. Bindings belong to an
 // asset: make new ones. `memory` as for furrow_instance_create(), with furrow_instance_memory() of the new
-// asset; the old memory is free afterwards. The instance's address changes: `instance` is written.
+// asset and beside the old memory, which is free afterwards. The instance's address changes: `instance` is
+// written.
 FURROW_API int32_t furrow_instance_reload(FurrowInstance** instance, FurrowAsset* asset, void* memory,
                                           size_t memory_bytes, FurrowStatus* status);
 
