@@ -83,6 +83,7 @@ struct Executor::State {
   void dispatch(const Item& item, uint32_t rows) const;
   void draw(const Item& item) const;
   void drawTo(uint32_t slice, uint32_t image) const;
+  void setState() const;
   void readPointQ(std::span<std::byte> bytes) const;
 };
 
@@ -171,6 +172,7 @@ Status Executor::State::makeSums() {
   if (desc.width > side || desc.height > side)
     return Status::error(StatusCode::kUnavailable, "the sums are %u x %u and this OpenGL allows %u",
                          desc.width, desc.height, side);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);  // a host's would be read below
   glGenTextures(static_cast<GLsizei>(desc.images), sums);
   for (uint32_t image = 0; image < desc.images; ++image) {
     glBindTexture(GL_TEXTURE_2D_ARRAY, sums[image]);
@@ -197,6 +199,19 @@ Status Executor::State::makeSums() {
 void Executor::State::drawTo(uint32_t slice, uint32_t image) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, sums[image], 0, static_cast<GLint>(slice));
+}
+
+// What captures and draws need, whatever the host left.
+void Executor::State::setState() const {
+  glBindVertexArray(vertex_array);
+  drawTo(0, 0);  // without a window there is no other framebuffer, and captures want one too
+  for (GLenum off : {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_COLOR_LOGIC_OP,
+                     GL_RASTERIZER_DISCARD, GL_PRIMITIVE_RESTART, GL_PROGRAM_POINT_SIZE})
+    glDisable(off);
+  for (int plane = 0; plane < limit(GL_MAX_CLIP_DISTANCES); ++plane)
+    glDisable(GL_CLIP_DISTANCE0 + static_cast<GLenum>(plane));
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPointSize(1.0f);
 }
 
 void Executor::State::dispatch(const Item& item, uint32_t rows) const {
@@ -247,6 +262,7 @@ void Executor::State::readPointQ(std::span<std::byte> bytes) const {
   const SumsDesc& desc = plan->sums();
   const size_t points = plan->asset().pointCount(), texels_a_slice = size_t{desc.width} * desc.height;
   std::vector<Float4> texels_read(texels_a_slice * desc.slices);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glBindTexture(GL_TEXTURE_2D_ARRAY, sums[0]);
   glGetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA, GL_FLOAT, texels_read.data());
   glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
@@ -334,15 +350,7 @@ Status Executor::run(std::span<const uint32_t> instances, const Recorded& record
            s.some ? std::as_bytes(instances) : s.plan->buffer(Buffer::kInstances).initial);
   }
   if (s.debug) glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, "furrow");
-  if (s.raster()) {
-    glBindVertexArray(s.vertex_array);
-    glDisable(GL_SCISSOR_TEST);
-    glDisable(GL_DEPTH_TEST);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    s.drawTo(0, 0);  // without a window there is no other framebuffer, and captures want one too
-    glDisable(GL_PROGRAM_POINT_SIZE);
-    glPointSize(1.0f);
-  }
+  if (s.raster()) s.setState();
   for (size_t i = 0; i < s.programs.size(); ++i) {
     const Item& item = s.plan->items()[i];
     if (s.raster() && !s.isActive(item)) continue;

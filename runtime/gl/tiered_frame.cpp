@@ -19,8 +19,11 @@ class CpuTier {
     asset_ = &asset;
     options_ = options;
     staged_ = options.laplace_steps > 0;
-    if (!staged_)
-      if (Status status = clusters_.build(asset); !status.ok()) return status;
+    if (!staged_) {
+      const Status status = clusters_.build(asset);
+      staged_ = status.code == StatusCode::kUnavailable;  // clusters cannot hold it
+      if (!status.ok() && !staged_) return status;
+    }
     const size_t vertices = asset.vertexCount(), count = vertices * asset.weightStride();
     positions.resize(vertices);
     normals.resize(options.normals ? vertices : 0);
@@ -45,10 +48,10 @@ class CpuTier {
 
     if (Status status = staged_ ? weighStaged(input) : weighClustered(input); !status.ok()) return status;
 
-    const EaseJob ease{asset_,        options_.ease ? input.eases : std::span<const Ease>(),
-                       input.seconds, input.reset,
-                       input.fade,    state_,
-                       weights};
+    constexpr Ease kAtOnce[kMaxLayers];
+    EaseJob ease{asset_, {}, input.seconds, input.reset, input.fade, state_, weights};
+    if (options_.ease)
+      ease.eases = input.eases.empty() ? std::span(kAtOnce).first(asset_->layerCount()) : input.eases;
     if (Status status = ease.validate(); !status.ok()) return status;
     ease.run(0, asset_->vertexCount());
     return {};
@@ -153,6 +156,9 @@ TieredFrame::~TieredFrame() = default;
 
 Status TieredFrame::create(const AssetView& asset, Tier tier, const PlanOptions& options,
                            ResetStatus lost) try {
+  state_.reset();
+  if (options.posed_by_host)
+    return Status::error(StatusCode::kInvalidArgument, "a TieredFrame poses itself: no posed_by_host");
   state_ = std::make_unique<State>();
   state_->asset = &asset;
   state_->options = options;

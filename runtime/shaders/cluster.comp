@@ -22,18 +22,19 @@ vec3 slotPosition(uint slot) {
   return vec3(shared_positions[3u * slot], shared_positions[3u * slot + 1u], shared_positions[3u * slot + 2u]);
 }
 
-void addMorphs(uint begin, uint end, uint vertices) {
+void addMorphs(uint begin, uint end, uint slots, uint vertices) {
   for (uint run = begin; run < end; run += kRunWords) {
     uint morph = table[run];
     float step = positionStep(morph);
-    if (step == 0.0) continue;
     float normal_step = normalStep(morph);
+    if (step == 0.0 && normal_step == 0.0) continue;
     FURROW_SYNC;
     for (uint word = table[run + 1u] + kEntryWords * furrow_thread; word < table[run + 2u]; word += kEntryWords * kGroupSize) {
+      uint at = 3u * table[word + 3u];
+      if (at >= 3u * slots) break;  // slots ascend
       uint dx = table[word];
       uint dy = table[word + 1u];
       uint dz = table[word + 2u];
-      uint at = 3u * table[word + 3u];
       precise float x = shared_positions[at] + step * float(signed24(dx));
       precise float y = shared_positions[at + 1u] + step * float(signed24(dy));
       precise float z = shared_positions[at + 2u] + step * float(signed24(dz));
@@ -49,12 +50,14 @@ void addMorphs(uint begin, uint end, uint vertices) {
   FURROW_SYNC;
 }
 
-void poseCluster(uint cluster) {
-  uint slots = table[cluster + kClusterSlots];
+// The halo is for measuring alone.
+void poseCluster(uint cluster, bool with_halo) {
   uint vertices = table[cluster + kClusterVertices];
+  uint slots = with_halo ? table[cluster + kClusterSlots] : vertices;
   uint slot_vertex = table[cluster + kClusterSlotVertex];
   uint first = instance * frame.vertices;
   if (frame.posed_by_host != 0u) {
+    if (!with_halo) return;
     for (uint s = furrow_thread; s < slots; s += kGroupSize) {
       uint at = 3u * (first + data[slot_vertex + s]);
       for (uint c = 0u; c < 3u; ++c) shared_positions[3u * s + c] = positions[at + c];
@@ -69,7 +72,7 @@ void poseCluster(uint cluster) {
     if (with_normals && s < vertices)
       for (uint c = 0u; c < 3u; ++c) shared_scratch[3u * s + c] = restWord(restFrame(v) + c);
   }
-  addMorphs(table[cluster + kClusterRuns], table[cluster + kClusterRunsEnd], vertices);
+  addMorphs(table[cluster + kClusterRuns], table[cluster + kClusterRunsEnd], slots, vertices);
   for (uint s = furrow_thread; s < slots; s += kGroupSize) {
     uint v = data[slot_vertex + s];
     bool owned = s < vertices;
@@ -143,14 +146,15 @@ uint weight16(uint cluster, uint layer, uint v, uint own_point) {
 FURROW_MAIN {
   instance = instances[furrow_group.y];
   uint cluster = furrow_group.x * (kClusterWords + frame.layers);
-  poseCluster(cluster);
+  uint measured_layers = table[cluster + kClusterCovered] & frame.active_layers;
+  poseCluster(cluster, measured_layers != 0u);
   uint points = table[cluster + kClusterPoints];
   uint vertices = table[cluster + kClusterVertices];
   uint pairs = (frame.layers + 1u) / 2u;
   for (uint pair = 0u; pair < pairs; ++pair) {
     for (uint layer = 2u * pair; layer < 2u * pair + 2u && layer < frame.layers; ++layer) {
       uint coefficients = table[cluster + kClusterWords + layer];
-      bool measured = isActive(layer) && (table[cluster + kClusterCovered] >> layer & 1u) != 0u;
+      bool measured = (measured_layers >> layer & 1u) != 0u;
       if (measured) measureCluster(cluster, layer, coefficients);
       for (uint p = furrow_thread; p < points; p += kGroupSize) {
         float q = 1.0;

@@ -24,7 +24,7 @@ vec3 restNormal(uint v) {
   return vec3(restWord(word), restWord(word + 1u), restWord(word + 2u));
 }
 
-// Of a morph target: how much a step of position and a step of normal move; 0 if it is at rest.
+// Of a morph target: how much a step of position and a step of normal move; both 0 if it is at rest.
 float positionStep(uint morph) { return FURROW_AT(morph_weights, 2u * (instance * frame.morphs + morph)); }
 float normalStep(uint morph) { return FURROW_AT(morph_weights, 2u * (instance * frame.morphs + morph) + 1u); }
 

@@ -347,6 +347,11 @@ HWY_INLINE uint32_t measuredLayers(const ClusterFrameJob& job, const Cluster& c)
   return c.covered & job.active_layers;
 }
 
+// Slots to be posed: the halo is for measuring alone.
+HWY_INLINE uint32_t posedSlots(const ClusterFrameJob& job, const Cluster& c) {
+  return measuredLayers(job, c) != 0 ? c.slots : c.vertices;
+}
+
 // f(i) for i in [begin, end): loops this short cost as much as what is in them.
 template <typename Function>
 HWY_INLINE void inFours(uint32_t begin, uint32_t end, Function f) {
@@ -413,7 +418,7 @@ bool addMorphs(const ClusterFrameJob& job, const Cluster& c, const RestHeader& r
                                  clusters.morph_run_begin[index + 1] - clusters.morph_run_begin[index]);
   const auto active = [&](const Clusters::MorphRun& run) { return job.morph_weights[run.morph] != 0.0f; };
   if (std::none_of(runs.begin(), runs.end(), active)) return false;
-  for (uint32_t s = 0; s < c.slots; s += kPoseLanes, group += group_words)
+  for (uint32_t s = 0; s < posedSlots(job, c); s += kPoseLanes, group += group_words)
     unpackRest(rest, group, out + 4 * size_t{s});
   for (const Clusters::MorphRun& run : runs) {
     if (!active(run)) continue;
@@ -441,7 +446,8 @@ HWY_NOINLINE void posePositions(const ClusterFrameJob& job, const Cluster& c, fl
   const uint32_t rest_words = (rest.quantized ? 3 : 6) * kPoseLanes / 2;
   const bool morphed = addMorphs(job, c, rest, group, group_words, out);
   alignas(64) float weights[kMostInfluences * kPoseLanes];
-  for (uint32_t s = 0; s < c.slots; s += kPoseLanes, group += group_words, out += 4 * kPoseLanes) {
+  const uint32_t slots = posedSlots(job, c);
+  for (uint32_t s = 0; s < slots; s += kPoseLanes, group += group_words, out += 4 * kPoseLanes) {
     alignas(64) float p[3 * kPoseLanes];
     if (morphed)
       std::memcpy(p, out, sizeof p);

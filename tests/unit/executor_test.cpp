@@ -115,6 +115,47 @@ TEST_P(ExecutorTest, RunsTheWholeFrameAsTheJobsDo) {
   EXPECT_EQ(read<int16_t>(executor, Buffer::kWeights, words), weights);
 }
 
+// What an engine may have switched on between its own draws.
+TEST_P(ExecutorTest, RunsInWhateverStateTheHostLeft) {
+  const AssetView& asset = ball_.view();
+  const FramePlan plan(asset, {.form = GetParam(), .normals = false, .ease = true, .point_q = true});
+  GLuint buffers[2];
+  glGenBuffers(2, buffers);
+  for (const auto& [target, index] :
+       {std::pair(GL_PIXEL_UNPACK_BUFFER, 0), std::pair(GL_PIXEL_PACK_BUFFER, 1)}) {
+    glBindBuffer(target, buffers[index]);
+    glBufferData(target, 16, nullptr, GL_STATIC_DRAW);
+  }
+  gl::Executor executor;
+  const Status status = executor.create(plan);
+  ASSERT_TRUE(status.ok()) << status.message;
+  ASSERT_TRUE(executor.upload(frame_).ok());
+  for (GLenum on : {GL_PRIMITIVE_RESTART, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE,
+                    GL_CLIP_DISTANCE0, GL_COLOR_LOGIC_OP, GL_PROGRAM_POINT_SIZE, GL_RASTERIZER_DISCARD,
+                    GL_FRAMEBUFFER_SRGB, GL_SAMPLE_COVERAGE})
+    glEnable(on);
+  glPrimitiveRestartIndex(5);
+  glScissor(0, 0, 1, 1);
+  glDepthFunc(GL_NEVER);
+  glStencilFunc(GL_NEVER, 0, 0);
+  glCullFace(GL_FRONT_AND_BACK);
+  glLogicOp(GL_CLEAR);
+  glPointSize(7.0f);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glBlendEquation(GL_FUNC_SUBTRACT);
+  ASSERT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  ASSERT_TRUE(executor.run().ok());
+  const size_t words = size_t{asset.vertexCount()} * asset.weightStride();
+  expectSameWeights(read<int16_t>(executor, Buffer::kWeights, words), cpuWeights(posed()));
+  const auto q = read<float>(executor, Buffer::kPointQ, size_t{asset.pointCount()} * asset.layerCount());
+  std::vector<float> expected;
+  cpuWeights(asset, posed(), 0, &expected);
+  EXPECT_EQ(std::memcmp(q.data(), expected.data(), q.size() * sizeof(float)), 0);
+  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  glDeleteBuffers(2, buffers);
+}
+
 TEST_P(ExecutorTest, TakesPosedVerticesFromTheHost) {
   const AssetView& asset = ball_.view();
   const FramePlan plan(asset, {.form = GetParam(), .posed_by_host = true});
@@ -211,6 +252,30 @@ TEST_P(ExecutorTest, WeightsFollowInTimeAsOnTheCpu) {
     const auto weights = read<int16_t>(executor, Buffer::kWeights, expected.size());
     for (size_t i = 0; i < weights.size(); ++i) ASSERT_NEAR(weights[i], expected[i], 4) << step.seconds;
   }
+}
+
+TEST_P(ExecutorTest, TargetsMayMoveNormalsAlone) {
+  SourceScene scene = sceneOf(sheet(12), [](glm::dvec3 p) { return p; });
+  scene.primitives[0].morphs[0].normals.assign(scene.primitives[0].positions.size(), {0.5f, 0.25f, 0.0f});
+  const Asset asset = cookAsset(std::move(scene), recipeOf({axisLayer({1, 0, 0})}));
+  const AssetView& view = asset.view();
+  ASSERT_EQ(view.morphs[0].position_step, 0.0f);
+  const std::vector<Affine> palette(view.palette.size());
+  const std::vector<float> morphs = {0.8f};
+  std::vector<Float3> positions(view.vertexCount()), normals(view.vertexCount());
+  const DeformJob job{&view, palette, morphs, positions, normals, {}};
+  ASSERT_TRUE(job.validate().ok());
+  job.run(0, view.vertexCount());
+  ASSERT_GT(normals[0].x, 0.3f);
+  frame_.palette = palette;
+  frame_.morph_weights = morphs;
+  const FramePlan plan(view, {.form = GetParam()});
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  ASSERT_TRUE(executor.upload(frame_).ok());
+  ASSERT_TRUE(executor.run().ok());
+  const auto gpu = read<Float3>(executor, Buffer::kNormals, normals.size());
+  for (size_t v = 0; v < normals.size(); ++v) ASSERT_NEAR(gpu[v].x, normals[v].x, 1e-5f);
 }
 
 TEST_P(ExecutorTest, DualQuaternionsPoseAsOnTheCpu) {

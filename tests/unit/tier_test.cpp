@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <string>
 
+#include "furrow/cluster_frame.h"
 #include "furrow/gl/tiered_frame.h"
+#include "sheets.h"
 #include "tests/image/ball_asset.h"
 #include "tests/image/gl_fixture.h"
 
@@ -143,6 +146,23 @@ TEST_F(LostContext, EveryTierMakesLaplacianSteps) {
   }
 }
 
+// Without eases every weight is at its target, and a later frame begins there.
+TEST_F(LostContext, FramesWithoutEasesGoAllTheWay) {
+  const std::vector<Ease> eases(ball_.view().layerCount(), Ease{1e-6f, 1e-6f});
+  for (Tier tier : {Tier::kGpu, Tier::kGpuRaster, Tier::kCpu}) {
+    gl::TieredFrame frame;
+    ASSERT_TRUE(frame.create(ball_.view(), tier, {.ease = true}).ok());
+    FrameInput input = input_;
+    const std::vector<Affine> rest(2);
+    input.palette = rest;
+    ASSERT_TRUE(frame.run(input).ok());
+    ASSERT_TRUE(frame.run(input_).ok());
+    input.eases = eases, input.seconds = 0.01f;
+    ASSERT_TRUE(frame.run(input).ok());
+    expectWeights(frame);  // hardly on the way back to rest
+  }
+}
+
 TEST_F(LostContext, ADestroyedContextIsALostOne) {
   gl::TieredFrame frame;
   ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpu).ok());
@@ -164,6 +184,40 @@ TEST_F(LostContext, AnotherContextInItsPlaceRunsTheNextTier) {
   ASSERT_TRUE(frame->run(input_).ok());
   expectWeights(*frame);
   frame.reset();  // while its context is current
+}
+
+// A fan of many turns: a point in more triangles than a cluster holds.
+TEST(TieredFrame, TheCpuTierIsStagedWhereClustersCannotHoldTheAsset) {
+  Primitive fan;
+  constexpr uint32_t kBlades = 17000;
+  fan.positions.push_back({0, 0, 0});
+  for (uint32_t i = 0; i < kBlades; ++i) {
+    const double angle = 0.5 * i;
+    fan.positions.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.0f});
+    if (i > 0) fan.indices.insert(fan.indices.end(), {0u, i, i + 1});
+  }
+  const Asset asset = cookAsset(sceneOf(fan, [](glm::dvec3 p) { return glm::dvec3(0.7 * p.x, p.y, p.z); }),
+                                recipeOf({axisLayer({1, 0, 0})}));
+  ASSERT_EQ(Clusters().build(asset.view()).code, StatusCode::kUnavailable);
+  gl::TieredFrame frame;
+  const Status status = frame.create(asset.view(), Tier::kCpu);
+  ASSERT_TRUE(status.ok()) << status.message;
+  const std::vector<Affine> palette(asset.view().palette.size());
+  const std::vector<float> morphs = {0.8f};
+  FrameInput input;
+  input.palette = palette;
+  input.morph_weights = morphs;
+  ASSERT_TRUE(frame.run(input).ok());
+  const Frame expected = evaluate(asset.view(), morphs);
+  EXPECT_EQ(std::vector(frame.weights().begin(), frame.weights().end()), expected.weights);
+}
+
+TEST(TieredFrame, PosesItself) {
+  const BallAsset ball;
+  gl::TieredFrame frame;
+  const Status status = frame.create(ball.view(), Tier::kCpu, {.posed_by_host = true});
+  EXPECT_EQ(status.code, StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message, HasSubstr("posed_by_host"));
 }
 
 }  // namespace

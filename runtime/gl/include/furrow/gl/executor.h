@@ -29,9 +29,15 @@ class Executor {
   void upload(Buffer buffer, std::span<const std::byte> bytes, uint64_t offset = 0);
 
   // Records every item; does not wait. In the clustered form, for `instances` alone (each at most once);
-  // empty: for all. Leaves no program, vertex array and framebuffer bound; the raster form also leaves
-  // blending and the rasteriser's discarding off and the viewport changed. kUnavailable as for upload().
-  // `recorded` is called behind the commands of every item: for timer queries, say.
+  // empty: for all. kUnavailable as for upload(). `recorded` is called behind the commands of every item: for
+  // timer queries, say.
+  //
+  // Whatever state the host left is taken, and no state is restored. Every form leaves no program bound, and
+  // its own buffers at the indexed uniform and storage slots of the plan. The raster form leaves no vertex
+  // array, framebuffer and transform feedback buffer bound, texture unit 0 active and its textures at units
+  // 0 to 4; off: blending, scissor, depth and stencil test, logic operation, primitive restart, clip
+  // distances, program point size and the rasteriser's discarding; color mask all on, point size 1; viewport
+  // and blend function its own.
   using Recorded = std::function<void(const Item&)>;
   Status run(std::span<const uint32_t> instances = {}, const Recorded& recorded = {});
 

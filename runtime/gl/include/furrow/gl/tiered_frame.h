@@ -17,8 +17,9 @@ class TieredFrame {
   TieredFrame();
   ~TieredFrame();
 
-  // `tier` from chooseTier(). `options` as for a plan of one instance; the form follows from the tier.
-  // `asset` must outlive the frame. Fails as Executor::create() does.
+  // `tier` from chooseTier(). `options` as for a plan of one instance that poses, without posed_by_host; the
+  // form follows from the tier. `asset` must outlive the frame. Fails as Executor::create() does; then, and
+  // before create(), only create() and the destructor may be called.
   Status create(const AssetView& asset, Tier tier, const PlanOptions& options = {},
                 ResetStatus lost = nullptr);
 
