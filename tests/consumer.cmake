@@ -53,6 +53,17 @@ get_filename_component(library_folder ${pc_folder} DIRECTORY)
 run_well(cc -std=c99 ${source}/plain.c ${flags} -o ${SCRATCH}/plain)
 run_well(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${library_folder} ${SCRATCH}/plain ${cuff})
 
+# The shared library alone, where Draco cannot be found.
+file(WRITE ${SCRATCH}/shared/CMakeLists.txt "cmake_minimum_required(VERSION 3.24)
+project(shared C CXX)
+find_package(furrow 0.1 CONFIG REQUIRED COMPONENTS runtime)
+add_executable(plain \"${source}/plain.c\")
+target_link_libraries(plain PRIVATE furrow::shared)\n")
+run_well(${CMAKE_COMMAND} -S ${SCRATCH}/shared -B ${SCRATCH}/shared/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${PREFIX}
+         -DCMAKE_DISABLE_FIND_PACKAGE_draco=ON)
+run_well(${CMAKE_COMMAND} --build ${SCRATCH}/shared/build)
+run_well(${SCRATCH}/shared/build/plain ${cuff})
+
 set(touched "nothing")
 build_cooks()
 foreach(pair lines.pgm:brow,listed_brow weave.pgm:cuff,listed_cuff brow.json:brow,listed_brow cuff.obj:cuff,listed_cuff,listed_sim)
