@@ -30,17 +30,13 @@ bool writeAll(int descriptor, std::span<const std::byte> bytes) {
 // A temporary that has a name only once it is linked; open() and whatever follows tell faults by errno.
 class Temporary {
  public:
-  explicit Temporary(const std::filesystem::path& file) {
-    static std::atomic<uint32_t> count = 0;
-    name_ = file.string() + '.' + std::to_string(::getpid()) + '-' + std::to_string(count++);
-    name_ += kSuffix;
+  explicit Temporary(const std::filesystem::path& file) : file_(file.string()) {
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
     descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
-      descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      named_ = descriptor_ >= 0;
-    }
-    if (descriptor_ >= 0) ::flock(descriptor_, LOCK_EX | LOCK_NB);
+    if (descriptor_ >= 0)
+      ::flock(descriptor_, LOCK_EX | LOCK_NB);
+    else if (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)
+      openNamed();
   }
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
@@ -55,6 +51,7 @@ class Temporary {
     if (descriptor_ < 0 || !writeAll(descriptor_, bytes) || ::fsync(descriptor_) != 0) return false;
     if (!named_) {
       const std::string self = "/proc/self/fd/" + std::to_string(descriptor_);
+      nextName();
       if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) != 0) return false;
       named_ = true;
     }
@@ -64,7 +61,25 @@ class Temporary {
   }
 
  private:
-  std::string name_;
+  void nextName() {
+    static std::atomic<uint32_t> count = 0;
+    name_ = file_ + '.' + std::to_string(::getpid()) + '-' + std::to_string(count++);
+    name_ += kSuffix;
+  }
+
+  // On a file system without nameless files: until it is locked, another writer may take it for a leftover.
+  void openNamed() {
+    struct stat status {};
+    do {
+      if (named_) ::close(descriptor_);
+      nextName();
+      descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      named_ = descriptor_ >= 0;
+      if (named_) ::flock(descriptor_, LOCK_EX);
+    } while (named_ && ::fstat(descriptor_, &status) == 0 && status.st_nlink == 0);
+  }
+
+  std::string file_, name_;
   int descriptor_ = -1;
   bool named_ = false;
 };

@@ -46,33 +46,38 @@ TEST_F(Interrupted, ByKillAtAnyMoment) {
   const std::filesystem::path asset = output() / "a.furrow";
   ASSERT_EQ(run(cookInto(asset, large)).status, 0);
   const std::string new_bytes = readText(asset);
-  const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(run(cookInto(asset, small)).status, 0);
   const std::string old_bytes = readText(asset);
+  const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(run(cookInto(asset, large)).status, 0);
-  const auto both = std::chrono::steady_clock::now() - begin;
+  auto longest =
+      2 * (std::chrono::steady_clock::now() - begin);  // before a kill; the machine may be busier now
   ASSERT_EQ(run(cookInto(asset, small)).status, 0);
 
   constexpr int kKills = 40;
-  size_t left = 0, killed = 0;
+  size_t killed = 0;
   for (int i = 0; i < kKills; ++i) {
+    const auto delay = longest * i / kKills;
     const pid_t cook = start(cookInto(asset, large));
-    std::this_thread::sleep_for(both * i / kKills);
+    ASSERT_GT(cook, 0);
+    std::this_thread::sleep_for(delay);
     ::kill(cook, SIGKILL);
     int status = 0;
     ASSERT_EQ(::waitpid(cook, &status, 0), cook);
-    killed += WIFSIGNALED(status);
+    if (WIFSIGNALED(status))
+      ++killed;
+    else
+      longest = delay;  // or less busy
     const std::string bytes = readText(asset);
     ASSERT_TRUE(bytes == old_bytes || bytes == new_bytes);
-    left += namesIn(output()).size() - 1;
+    ASSERT_LE(namesIn(output()).size(), 2u) << "the next cook removes what a kill leaves";
     if (bytes == new_bytes) {
       ASSERT_EQ(run(cookInto(asset, small)).status, 0);
     }
   }
   EXPECT_GT(killed, 5u) << "the kills came too late to say anything";
-  EXPECT_LE(left, 1u) << "only a kill between linking and renaming leaves a name";
   ASSERT_EQ(run(cookInto(asset, large)).status, 0);
-  EXPECT_EQ(namesIn(output()), std::set<std::string>{"a.furrow"}) << "the next cook removes it";
+  EXPECT_EQ(namesIn(output()), std::set<std::string>{"a.furrow"});
 }
 
 TEST_F(Interrupted, ByAFullDisk) {

@@ -11,6 +11,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/recipe/recipe_schema.h"
+#include "tests/unit/gltf_builder.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -52,12 +53,8 @@ constexpr const char* kEverything = R"({
 class RecipeTest : public testing::Test {
  protected:
   RecipeTest() {
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("furrow_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
     for (const char* image : {"map.png", "dark.png"}) std::ofstream(folder_ / image) << "only has to exist";
   }
-  ~RecipeTest() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path file() const { return folder_ / "recipe.json"; }
 
@@ -87,7 +84,8 @@ class RecipeTest : public testing::Test {
     return read(R"({"layers": [{"name": "a")" + (keys.empty() ? "" : ", " + keys) + "}]}").layers.at(0);
   }
 
-  std::filesystem::path folder_;
+  const test::ScratchFolder scratch_;
+  const std::filesystem::path folder_ = scratch_.path();
 };
 
 TEST_F(RecipeTest, ReadsEveryKey) {
