@@ -12,11 +12,6 @@ namespace {
 
 constexpr uint32_t kDraftMapSize = 256;
 
-std::filesystem::file_time_type timeOf(const std::filesystem::path& file) {
-  std::error_code ignored;
-  return std::filesystem::last_write_time(file, ignored);
-}
-
 }  // namespace
 
 CookWorker::CookWorker() : thread_([this] { work(); }) {}
@@ -116,15 +111,16 @@ void CookWorker::waitUntilShown() {
 
 pipeline::SourceScene CookWorker::scene(const std::filesystem::path& source) {
   const bool fresh = source == scene_file_ &&
-                     std::all_of(scene_times_.begin(), scene_times_.end(),
-                                 [](const auto& entry) { return timeOf(entry.first) == entry.second; });
+                     std::all_of(scene_states_.begin(), scene_states_.end(),
+                                 [](const auto& entry) { return stateOf(entry.first) == entry.second; });
   if (!fresh) {
     scene_file_.clear();
+    scene_states_.clear();
     memory_.forgetScene();
-    scene_times_ = {{source, timeOf(source)}};
+    // Before they are read: what is written meanwhile is a change.
+    for (const std::filesystem::path& file : pipeline::importedFiles(source))
+      scene_states_.emplace(file, stateOf(file));
     scene_ = pipeline::import(source);
-    for (const std::filesystem::path& file : scene_.dependencies)
-      if (file != source) scene_times_.emplace_back(file, timeOf(file));
     scene_file_ = source;
   }
   return scene_;
@@ -169,6 +165,7 @@ void CookWorker::cook(const CookRequest& request, bool draft) {
     result.asset.reset();
     result.error = error.what();
   }
+  if (!preview::looksLikeAsset(request.source)) result.read = scene_states_;
   const bool failed = !result.asset;
   {
     const std::lock_guard lock(mutex_);

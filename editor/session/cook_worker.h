@@ -14,6 +14,7 @@
 
 #include "editor/document/document.h"
 #include "editor/preview/loaded_asset.h"
+#include "editor/session/file_watch.h"
 #include "pipeline/cook/cook_memory.h"
 #include "pipeline/cook/cook_report.h"
 #include "pipeline/scene/source_scene.h"
@@ -37,6 +38,7 @@ struct CookResult {
   pipeline::Recipe recipe;                            // with all that was left open worked out
   pipeline::CookReport report;
   std::vector<std::filesystem::path> dependencies;
+  FileStates read;  // the source and the files that it names, before they were read
 };
 
 // One thread and at most one request that waits: a newer one takes its place, and ends a cook whose draft was
@@ -74,7 +76,7 @@ class CookWorker {
 
   // Of the worker alone.
   std::filesystem::path scene_file_;
-  std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> scene_times_;
+  FileStates scene_states_;
   pipeline::SourceScene scene_;
   pipeline::CookMemory memory_;
 

@@ -4,17 +4,17 @@
 
 namespace furrow::editor {
 
-FileWatch::State FileWatch::stateOf(const std::filesystem::path& file) {
+FileState stateOf(const std::filesystem::path& file) {
   std::error_code error;
-  State state;
+  FileState state;
   state.time = std::filesystem::last_write_time(file, error);
   if (error) return {};
   state.size = std::filesystem::file_size(file, error);
-  return error ? State{} : state;
+  return error ? FileState{} : state;
 }
 
 void FileWatch::watch(const std::vector<std::filesystem::path>& files) {
-  std::map<std::filesystem::path, State> states;
+  FileStates states;
   for (const std::filesystem::path& file : files) {
     const auto known = states_.find(file);
     states[file] = known == states_.end() ? stateOf(file) : known->second;
@@ -30,7 +30,7 @@ void FileWatch::forget(const std::filesystem::path& file) {
 std::vector<std::filesystem::path> FileWatch::changed() {
   std::vector<std::filesystem::path> files;
   for (auto& [file, state] : states_) {
-    const State now = stateOf(file);
+    const FileState now = stateOf(file);
     if (now == state) continue;
     state = now;
     files.push_back(file);

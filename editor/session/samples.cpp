@@ -19,6 +19,8 @@ Samples::~Samples() {
   if (!making()) return;
   kill(process_, SIGTERM);
   waitpid(process_, nullptr, 0);
+  std::error_code ignored;
+  fs::remove_all(unfinished_, ignored);
 }
 
 fs::path Samples::usualProgram() {
@@ -39,17 +41,20 @@ void Samples::ask(const std::string& name) {
   wanted_ = name;
   std::error_code error;
   if (making() || fs::exists(fileOf(name), error)) return;
-  fs::remove_all(unfinished(), error);
-  fs::create_directories(unfinished(), error);
-  std::string program = program_.string(), folder = unfinished().string();
+  fs::create_directories(folder_.parent_path(), error);
+  std::string program = program_.string(), folder = folder_.string() + ".XXXXXX";
+  if (!mkdtemp(folder.data())) return;
+  unfinished_ = folder;
   char* arguments[] = {program.data(), folder.data(), nullptr};
-  if (posix_spawn(&process_, program.c_str(), nullptr, nullptr, arguments, environ) != 0) process_ = 0;
+  if (posix_spawn(&process_, program.c_str(), nullptr, nullptr, arguments, environ) == 0) return;
+  process_ = 0;
+  fs::remove_all(unfinished_, error);
 }
 
 int Samples::made() const {
   int files = 0;
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(unfinished(), error))
+  for (const fs::directory_entry& entry : fs::directory_iterator(unfinished_, error))
     files += entry.path().extension() == ".glb";
   return files;
 }
@@ -61,15 +66,24 @@ std::optional<Samples::Result> Samples::take() {
     int status = 0;
     if (waitpid(process_, &status, WNOHANG) == 0) return std::nullopt;
     process_ = 0;
-    // Whole or not at all.
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) fs::rename(unfinished(), folder_, error);
-    fs::remove_all(unfinished(), error);
+    // Whole or not at all; in place of a folder that lost some, and not of one that somebody else has made
+    // meanwhile.
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+      if (!fs::exists(fileOf(wanted_), error)) fs::remove_all(folder_, error);
+      fs::rename(unfinished_, folder_, error);
+    }
+    fs::remove_all(unfinished_, error);
   }
   const Result result{fileOf(wanted_), {}};
   wanted_.clear();
   if (fs::exists(result.file, error)) return result;
+  if (!fs::exists(program_, error))
+    return Result{result.file,
+                  program_.string() + ": the samples cannot be made: put furrow_content beside the editor"};
   return Result{result.file,
-                program_.string() + ": the samples cannot be made: put furrow_content beside the editor"};
+                folder_.string() +
+                    ": the samples cannot be made there: set XDG_CACHE_HOME to a folder that may be "
+                    "written to and has room"};
 }
 
 }  // namespace furrow::editor

@@ -14,7 +14,7 @@ class Samples {
  public:
   // `program`: furrow_content; `folder`: where the files go.
   Samples(std::filesystem::path program, std::filesystem::path folder);
-  ~Samples();  // ends the program if it is at work
+  ~Samples();  // ends the program if it is at work, and leaves nothing of it
   Samples(const Samples&) = delete;
   Samples& operator=(const Samples&) = delete;
 
@@ -36,9 +36,8 @@ class Samples {
 
  private:
   std::filesystem::path fileOf(const std::string& name) const { return folder_ / (name + ".glb"); }
-  std::filesystem::path unfinished() const { return folder_.string() + ".new"; }
 
-  std::filesystem::path program_, folder_;
+  std::filesystem::path program_, folder_, unfinished_;  // unfinished_: of this process alone
   std::string wanted_;
   pid_t process_ = 0;
 };

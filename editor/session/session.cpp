@@ -158,9 +158,13 @@ void Session::takeResults() {
       continue;
     }
     if (result->revision < wanted_ && !(result->draft && result->asset)) continue;  // a newer one is coming
+    watch_.watchSince(result->read);
     if (result->revision == wanted_) error_ = result->error;
     if (!result->asset) {
       if (result->revision == wanted_) tell(Message::Kind::kError, result->error);
+      if (dependencies_.empty())
+        for (const auto& [file, state] : result->read) dependencies_.push_back(file);
+      watchFiles();
       continue;
     }
     const bool first = !shown_;

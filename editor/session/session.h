@@ -49,9 +49,9 @@ class Session {
   const std::shared_ptr<Shown>& shown() const { return shown_; }
   const pipeline::Recipe& resolved() const { return resolved_; }  // of shown(), all worked out
   const pipeline::CookReport& report() const { return report_; }
-  bool cooking() const { return worker_.busy(); }
+  bool cooking() const { return worker_.busy() || comparer_.busy(); }
   bool cooked() const { return worker_.done(); }  // a result waits for update()
-  std::string stage() const { return worker_.stage(); }
+  std::string stage() const { return (worker_.busy() ? worker_ : comparer_).stage(); }
   // Why what is shown is not what the document says; empty: it is, or will be.
   const std::string& recipeError() const { return recipe_error_; }  // of the recipe as it lies on disk
   const std::string& error() const { return recipe_error_.empty() ? error_ : recipe_error_; }

@@ -53,7 +53,6 @@ HeadlessScreen::HeadlessScreen(int width, int height, float scale) {
   applyTheme(scale);
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
-  io.DeltaTime = 1.0f / 30.0f;
   ImGui_ImplOpenGL3_Init("#version 330 core");
   state_ = std::make_unique<State>(State{width, height});
   glBindTexture(GL_TEXTURE_2D, state_->texture);

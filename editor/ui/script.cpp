@@ -17,6 +17,7 @@ using pipeline::Error;
 using pipeline::Exit;
 
 constexpr double kStep = 1.0 / 30.0;
+constexpr float kNoTime = 1e-6f;  // imgui takes no less
 constexpr int kDragSteps = 6;
 constexpr auto kPatience = std::chrono::seconds(300);  // for a cook
 
@@ -28,7 +29,7 @@ class Runner {
   }
 
   void run(const std::string& text) {
-    frame();
+    pass();
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
       ++line_;
@@ -72,11 +73,11 @@ class Runner {
     }
   }
 
-  void frame() {
+  void frame(double seconds = kStep) {
     screen_.begin();
     // NewFrame() has taken the events that were set for it.
     try {
-      editor_.frame(kStep);
+      editor_.frame(seconds);
     } catch (const preview::ContextLost& lost) {
       return screen_.remake(lost);
     }
@@ -141,11 +142,14 @@ class Runner {
     pass(2);
   }
 
+  // The script's clock stands still: what is seen afterwards is the same however long it took.
   void wait() {
     const auto begin = std::chrono::steady_clock::now();
     pass(2);
     while (editor_.working()) {
-      pass(1);
+      set();
+      ImGui::GetIO().DeltaTime = kNoTime;
+      frame(0.0);
       if (editor_.state().session.cooking()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       if (std::chrono::steady_clock::now() - begin > kPatience)
         fail("the cook does not end", "cook a smaller file");

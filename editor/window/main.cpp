@@ -289,11 +289,12 @@ void runWindow(const Options& options, Settings& settings) {
   if (!options.script.empty()) {
     ui::Screen screen;
     screen.begin = [&] {
-      // The script's pointer and keys, not those of the window.
+      // The script's pointer, keys and clock, not those of the window.
       ImGuiIO& io = ImGui::GetIO();
       const ImVec2 pointer = io.MousePos;
       const bool buttons[3] = {io.MouseDown[0], io.MouseDown[1], io.MouseDown[2]};
       const bool ctrl = io.KeyCtrl, shift = io.KeyShift, alt = io.KeyAlt;
+      const float step = io.DeltaTime;
       glfwPollEvents();
       desktop.window().begin();
       io.MousePos = pointer;
@@ -301,7 +302,7 @@ void runWindow(const Options& options, Settings& settings) {
       io.KeyCtrl = ctrl;
       io.KeyShift = shift;
       io.KeyAlt = alt;
-      io.DeltaTime = 1.0f / 30.0f;
+      io.DeltaTime = step;
       ImGui::NewFrame();
     };
     pipeline::Image last;
