@@ -174,6 +174,54 @@ static FurrowInstance* makeInstance(FurrowAsset* asset, uint32_t features) {
 
 /* ---- what is tested ---- */
 
+/* The ABI on machines of 64 bits: the last field of each struct, and where it ends. A field that is added
+   begins where its struct ended; in the padding before, an older program has garbage and an older library
+   looks at nothing. */
+static void testLayout(void) {
+#define LAYOUT(type, field, offset, bytes) \
+  { #type, offsetof(type, field), offset, sizeof(type), bytes }
+  const struct {
+    const char* name;
+    size_t offset, expected_offset, bytes, expected_bytes;
+  } layouts[] = {
+      LAYOUT(FurrowStatus, message, 4, 196),
+      LAYOUT(FurrowContextDesc, simd, 52, 56),
+      LAYOUT(FurrowAssetDesc, flags, 28, 32),
+      LAYOUT(FurrowAssetInfo, tool_version, 88, 96),
+      LAYOUT(FurrowGeometry, point_vertex, 64, 72),
+      LAYOUT(FurrowResponse, stretch_beta, 16, 20),
+      LAYOUT(FurrowLayerInfo, driver_end, 60, 64),
+      LAYOUT(FurrowMorphInfo, moved, 24, 32),
+      LAYOUT(FurrowPaletteInfo, inverse_bind, 20, 72),
+      LAYOUT(FurrowPartInfo, rest, 64, 112),
+      LAYOUT(FurrowDriverInfo, curve, 24, 32),
+      LAYOUT(FurrowTexture, bytes, 32, 40),
+      LAYOUT(FurrowTextureSetInfo, windows, 264, 776),
+      LAYOUT(FurrowStream, format, 32, 40),
+      LAYOUT(FurrowBindDesc, tolerance, 120, 128),
+      LAYOUT(FurrowBindCounts, missing, 20, 24),
+      LAYOUT(FurrowInstanceDesc, memory_bytes, 24, 32),
+      LAYOUT(FurrowEase, release, 4, 8),
+      LAYOUT(FurrowPosedMesh, binding, 80, 88),
+      LAYOUT(FurrowFrame, occlusion, 144, 152),
+      LAYOUT(FurrowFrameReport, clustered, 12, 16),
+      LAYOUT(FurrowReadDesc, stride, 48, 56),
+      LAYOUT(FurrowPlanDesc, rest, 40, 48),
+      LAYOUT(FurrowPlanInfo, sums_images, 56, 64),
+      LAYOUT(FurrowBufferInfo, initial, 40, 48),
+      LAYOUT(FurrowItemInfo, image, 64, 72),
+      LAYOUT(FurrowBindingInfo, name, 24, 32),
+      LAYOUT(FurrowShaderSource, spirv_bytes, 56, 64),
+      LAYOUT(FurrowPicture, depth, 168, 176),
+  };
+  size_t i;
+  for (i = 0; sizeof(void*) == 8 && i < sizeof layouts / sizeof layouts[0]; ++i)
+    if (layouts[i].offset != layouts[i].expected_offset || layouts[i].bytes != layouts[i].expected_bytes)
+      printf("%s: %zu of %zu bytes, it was %zu of %zu\n", layouts[i].name, layouts[i].offset,
+             layouts[i].bytes, layouts[i].expected_offset, layouts[i].expected_bytes),
+          ++failures;
+}
+
 static void testContext(void) {
   FurrowStatus status;
   Host host = {0, 0, -1, 0, 0, 0, 0};
@@ -1177,6 +1225,50 @@ static void testMemoryAndReload(FurrowContext* context, Host* host, File face, F
   furrow_asset_release(a), furrow_asset_release(again), furrow_asset_release(b);
 }
 
+/* In a frame of every third call, with time going by: a reload between calls changes nothing in the same
+   asset. Layers of the same names on another mesh begin anew. */
+static void testReloadInTime(FurrowContext* context, File brow, File cuff) {
+  FurrowStatus status;
+  FurrowAsset *a = loadAsset(context, brow, 0, 0), *again = loadAsset(context, brow, 0, 0),
+              *other = loadAsset(context, cuff, 0, 0);
+  FurrowInstance *stays = makeInstance(a, FURROW_USE_EASE), *goes = makeInstance(a, FURROW_USE_EASE);
+  FurrowAssetInfo info = {.size = sizeof info}, fewer = {.size = sizeof fewer};
+  FurrowFrameReport one = {.size = sizeof one}, two = {.size = sizeof two};
+  FurrowFrame frame;
+  FurrowEase eases[FURROW_MAX_LAYERS];
+  float regions[FURROW_MAX_LAYERS], *palette;
+  int16_t* expected;
+  uint32_t call, l, v;
+  CHECK_OK(furrow_asset_info(a, &info, &status));
+  CHECK_OK(furrow_asset_info(other, &fewer, &status));
+  CHECK(info.palette == fewer.palette && fewer.vertices < info.vertices && info.layers == fewer.layers);
+  palette = makePalette(info.palette, 1.0f);
+  frame = paletteFrame(palette, &info);
+  for (l = 0; l < FURROW_MAX_LAYERS; ++l) eases[l].attack = eases[l].release = 1.0f, regions[l] = 0.0f;
+  frame.eases = eases, frame.region_weights = regions, frame.every = 3, frame.seconds = 0.25f;
+  for (call = 0; call < 10; ++call) {
+    CHECK_OK(furrow_instance_frame(stays, &frame, &one, &status));
+    CHECK_OK(furrow_instance_frame(goes, &frame, &two, &status));
+    CHECK(one.computed == two.computed && one.computed == (call % 3 == 0));
+    expected = copyWeights(stays, &info);
+    if (two.computed) CHECK(sameWeights(goes, expected, &info));
+    free(expected);
+    if (call % 3 == 1) CHECK_OK(furrow_instance_reload(&goes, call == 4 ? a : again, NULL, 0, &status));
+    for (l = 0; l < FURROW_MAX_LAYERS; ++l) regions[l] = 0.75f;
+  }
+  CHECK(furrow_instance_weights(goes)[3] > 16000 &&
+        furrow_instance_weights(goes)[3] < 24000); /* on the way */
+
+  CHECK_OK(furrow_instance_reload(&goes, other, NULL, 0, &status));
+  for (l = 0; l < FURROW_MAX_LAYERS; ++l) regions[l] = 0.0f;
+  frame.every = 0, frame.seconds = 0.0f;
+  CHECK_OK(furrow_instance_frame(goes, &frame, NULL, &status));
+  for (v = 0; v < fewer.vertices; ++v) CHECK(furrow_instance_weights(goes)[v * fewer.weight_stride + 3] == 0);
+  free(palette);
+  furrow_instance_release(stays), furrow_instance_release(goes);
+  furrow_asset_release(a), furrow_asset_release(again), furrow_asset_release(other);
+}
+
 /* A host whose job system runs ranges in any order gets the same bits; one that breaks its word is told. */
 static void testJobs(Host* host, FurrowContext* context, File file) {
   FurrowStatus status;
@@ -1246,6 +1338,7 @@ static void testPlanOptions(FurrowContext* context, File file, FurrowAsset* asse
   FurrowPlan *plain = NULL, *plan = NULL;
   FurrowInstance* instance = makeInstance(asset, FURROW_USE_RECAPTURE);
   FurrowAsset* other;
+  const FurrowEase at_once[FURROW_MAX_LAYERS] = {{0.0f, 0.0f}};
   float *palette, constants[1024];
   const float *before, *after;
   uint32_t i, measured = 0, cleared[2] = {0, 0};
@@ -1268,6 +1361,12 @@ static void testPlanOptions(FurrowContext* context, File file, FurrowAsset* asse
   CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
                 furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
   frame.laplace_rate = 0.0f, frame.laplace_steps = 0;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
+  frame.laplace_steps = 3, frame.eases = at_once;
+  CHECK_REFUSED(FURROW_INVALID_ARGUMENT,
+                furrow_plan_write(plan, FURROW_BUFFER_FRAME, &frame, constants, sizeof constants, &status));
+  frame.laplace_steps = 0, frame.eases = NULL;
   furrow_plan_release(plan);
   desc.form = FURROW_FORM_RASTER, desc.laplace_steps = 0;
   CHECK_OK(furrow_plan_create(asset, &desc, &plan, &status));
@@ -1582,9 +1681,10 @@ int main(int argc, char** argv) {
   Host host = {0, 0, -1, 0, 0, 0, 0};
   FurrowContextDesc desc = hostDesc(&host);
   FurrowContext* context = NULL;
-  File face, sleeve;
-  if (argc < 3) return 2;
-  face = readFile(argv[1]), sleeve = readFile(argv[2]);
+  File face, sleeve, brow, cuff;
+  if (argc < 5) return 2;
+  face = readFile(argv[1]), sleeve = readFile(argv[2]), brow = readFile(argv[3]), cuff = readFile(argv[4]);
+  testLayout();
   testContext();
   CHECK_OK(furrow_context_create(&desc, &context, &status));
   testAsset(context, &host, face);
@@ -1596,6 +1696,7 @@ int main(int argc, char** argv) {
   testMorphs(context, face);
   testBinding(context, &host, sleeve);
   testMemoryAndReload(context, &host, face, sleeve);
+  testReloadInTime(context, brow, cuff);
   testJobs(&host, context, sleeve);
   testPlan(context, face);
   testPicture(context, &host, sleeve);
@@ -1604,7 +1705,7 @@ int main(int argc, char** argv) {
         furrow_instance_tangents(NULL) == NULL);
   furrow_context_release(context);
   CHECK(host.live_bytes == 0 && host.warnings == 0);
-  free(face.bytes), free(sleeve.bytes);
+  free(face.bytes), free(sleeve.bytes), free(brow.bytes), free(cuff.bytes);
   printf("%d failures\n", failures);
   return failures ? 1 : 0;
 }
