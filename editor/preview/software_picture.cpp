@@ -96,7 +96,7 @@ class Shadow {
     for (float y : {-gpu::kShadowBlur, 0.0f, gpu::kShadowBlur})
       for (float x : {-gpu::kShadowBlur, 0.0f, gpu::kShadowBlur})
         lit += litAt(at.x * kShadowSize + x, (1.0f - at.y) * kShadowSize + y, at.z - 0.001f);
-    return gpu::keyShare(lit / 9.0f, cosine, glm::vec2(at));
+    return gpu::keyShare(lit / 9.0f, glm::vec2(at));
   }
 
  private:

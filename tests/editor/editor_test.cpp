@@ -515,8 +515,8 @@ expect no error
       for (uint32_t x = 120; x < 220; ++x) sum += std::abs(shown.at(x, y)[0] - shown.at(x + 1, y)[0]);
     return sum;
   };
-  EXPECT_GT(wrinkles("wrinkled"), 4.0 * wrinkles("plain"));
-  EXPECT_GT(wrinkles("same_method"), 4.0 * wrinkles("plain"));
+  EXPECT_GT(wrinkles("wrinkled"), 3.0 * wrinkles("plain"));
+  EXPECT_GT(wrinkles("same_method"), 3.0 * wrinkles("plain"));
   EXPECT_LT(wrinkles("recipe"), 1.5 * wrinkles("plain"));
   EXPECT_LT(wrinkles("asset"), 1.5 * wrinkles("plain"));
 }

@@ -33,7 +33,7 @@ FURROW_VALUE float kGloss = 0.9f;
 FURROW_VALUE float kRimGloss = 0.35f;
 
 // Texels of the shadow map between two of the nine samples that a pixel takes.
-FURROW_VALUE float kShadowBlur = 2.4f;
+FURROW_VALUE float kShadowBlur = 3.0f;
 
 // The darkest a crease gets where there is no map to say.
 FURROW_VALUE float kVertexShade = 0.55f;
@@ -108,23 +108,22 @@ FURROW_FUNCTION float viewLight(vec3 form, vec3 v, vec3 key) {
 // How far off the surface, in texels of the shadow map, its light is looked up: farther where light grazes it, so that
 // neither a facet nor the curve of the form shades itself.
 FURROW_FUNCTION float shadowLift(float cosine) {
-  return mix(8.0f, 2.0f, clamp(cosine, 0.0f, 1.0f));
+  return mix(13.0f, 2.0f, smoothstep(-0.1f, 0.6f, cosine));
 }
 
 // What reaches the surface of the key light: `lit` is the share of samples that the shadow map has in the light, `at`
 // where, in [0, 1], beside which all is lit. Where the form itself turns away, shade() lets the light fade.
-FURROW_FUNCTION float keyShare(float lit, float cosine, vec2 at) {
+FURROW_FUNCTION float keyShare(float lit, vec2 at) {
   vec2 out_of_middle = abs(at * 2.0f - 1.0f);
-  float faded = mix(1.0f, lit, smoothstep(-0.16f, -0.02f, cosine));
-  return mix(faded, 1.0f, smoothstep(0.9f, 1.0f, max(out_of_middle.x, out_of_middle.y)));
+  return mix(lit, 1.0f, smoothstep(0.9f, 1.0f, max(out_of_middle.x, out_of_middle.y)));
 }
 
-// Keeps colours as they are up to 0.8 and rolls brighter ones off to white (Khronos PBR neutral tone
-// mapping).
+// Keeps colours nearly as they are up to 0.8 and rolls brighter ones off to white (Khronos PBR neutral tone mapping,
+// with a gentler toe: dark colours lose at most half of their weakest channel, and less than 0.04).
 FURROW_FUNCTION vec3 toneMap(vec3 c) {
   const float start = 0.76f, desaturation = 0.15f;
   float x = min(c.r, min(c.g, c.b));
-  c -= x < 0.08f ? x - 6.25f * x * x : 0.04f;
+  c -= 0.04f * x / (max(x, 0.0f) + 0.08f);
   float peak = max(c.r, max(c.g, c.b));
   if (peak < start) return c;
   float d = 1.0f - start;

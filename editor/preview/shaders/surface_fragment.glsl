@@ -14,7 +14,7 @@ float shadowAt(vec3 position, vec3 normal) {
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x)
       lit += texture(shadow_map, vec3(at.xy + vec2(x, y) * kShadowBlur * texel, at.z - 0.001));
-  return keyShare(lit / 9.0, cosine, at.xy);
+  return keyShare(lit / 9.0, at.xy);
 }
 
 vec3 light(vec3 base, vec3 form, vec3 n, vec3 v, float cavity, float roughness, float shadow) {
