@@ -160,9 +160,10 @@ class MapBake {
     for (size_t s = 0; s < sets.size(); ++s) {
       const double other = sizeOfUvs(sets[s]).length;
       if (length > 1.5 * other || other > 1.5 * length) continue;
+      const size_t most = texels.size() / 1000;
       size_t overlap = 0;
-      for (size_t i = 0; i < texels.size(); ++i) overlap += texels[i] && taken_[s][i];
-      if (overlap > texels.size() / 1000) continue;
+      for (size_t i = 0; i < texels.size() && overlap <= most; ++i) overlap += texels[i] && taken_[s][i];
+      if (overlap > most) continue;
       for (size_t i = 0; i < texels.size(); ++i) taken_[s][i] = taken_[s][i] || texels[i];
       sets[s].parts.insert(sets[s].parts.end(), set.parts.begin(), set.parts.end());
       return;

@@ -124,14 +124,15 @@ class Builder {
         field_(field),
         spacing_(spacing),
         seed_(seed),
-        reached_(surface.triangles.size(), false) {
+        reached_(surface.triangles.size(), false),
+        first_of_(firstOfEqual(surface)) {
     double pieces = 0.0;
     for (uint32_t t = 0; t < surface.triangles.size(); ++t) {
       const glm::uvec3 points = surface.trianglePoints(t);
       const Corner3 c = corners(t);
       const float strength =
           std::max({field.strength[points.x], field.strength[points.y], field.strength[points.z]});
-      if (!(strength > 0.0f) || !(c.area2 > 0.0) || !std::isfinite(c.area2)) {
+      if (first_of_[t] != t || !(strength > 0.0f) || !(c.area2 > 0.0) || !std::isfinite(c.area2)) {
         continue;
       }
       reached_[t] = true;
@@ -144,7 +145,9 @@ class Builder {
     }
   }
 
+  // Of triangles with the same corners in the same order, the first stands for all.
   const std::vector<bool>& reached() const { return reached_; }
+  uint32_t firstOf(uint32_t triangle) const { return first_of_[triangle]; }
   Corner3 corners(uint32_t triangle) const {
     const glm::uvec3 points = surface_.trianglePoints(triangle);
     const glm::dvec3 a = surface_.point_positions[points.x], b = surface_.point_positions[points.y],
@@ -236,6 +239,24 @@ class Builder {
   }
 
  private:
+  static std::vector<uint32_t> firstOfEqual(const Surface& surface) {
+    const auto count = static_cast<uint32_t>(surface.triangles.size());
+    const auto key = [&](uint32_t t) {
+      const glm::uvec3 p = surface.trianglePoints(t);
+      return std::tuple(p.y, p.z);
+    };
+    const auto bucket = [&](uint32_t t) { return surface.trianglePoints(t).x; };
+    const std::vector<uint32_t> order =
+        bucketSorted(count, static_cast<uint32_t>(surface.point_positions.size()), bucket,
+                     [&](uint32_t a, uint32_t b) { return std::tuple(key(a), a) < std::tuple(key(b), b); });
+    std::vector<uint32_t> first(count);
+    for (uint32_t i = 0; i < count; ++i) {
+      const uint32_t t = order[i], before = i > 0 ? order[i - 1] : t;
+      first[t] = i > 0 && bucket(t) == bucket(before) && key(t) == key(before) ? first[before] : t;
+    }
+    return first;
+  }
+
   static double longestEdge(const std::array<glm::dvec3, 3>& p) {
     return std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
   }
@@ -317,6 +338,7 @@ class Builder {
   double spacing_;
   uint64_t seed_;
   std::vector<bool> reached_;
+  std::vector<uint32_t> first_of_;
   std::vector<uint32_t> triangle_of_;
   std::vector<uint64_t> random_of_;
   std::vector<float> confidence_of_;
@@ -576,6 +598,7 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
       }
     }
   }
+  for (uint32_t t = 0; t < grids_.size(); ++t) grids_[t] = grids_[builder.firstOf(t)];
   offsets_.assign(cells + 1, 0);
   for (const auto& [cell_index, k] : reaches) {
     ++offsets_[cell_index + 1];

@@ -395,6 +395,23 @@ TEST(Kernels, AreSpreadEvenly) {
   }
 }
 
+// As a file that shows one sheet with many materials: work and memory do not grow with the copies.
+TEST(Kernels, EqualTrianglesShareTheirLists) {
+  Surface surface = sheet(3);
+  const Kernels once(surface, along(surface, {1, 0, 0}), 0.05, 1, {});
+  const std::vector<glm::uvec3> triangles = surface.triangles;
+  surface.triangles.insert(surface.triangles.end(), triangles.begin(), triangles.end());
+  const Kernels twice(surface, along(surface, {1, 0, 0}), 0.05, 1, {});
+  ASSERT_EQ(twice.size(), once.size());
+  for (uint32_t t = 0; t < triangles.size(); ++t) {
+    const auto near = once.near(t, {0.3f, 0.3f}), first = twice.near(t, {0.3f, 0.3f}),
+               copy = twice.near(t + static_cast<uint32_t>(triangles.size()), {0.3f, 0.3f});
+    EXPECT_TRUE(std::ranges::equal(near, first));
+    EXPECT_EQ(copy.data(), first.data());
+    EXPECT_EQ(copy.size(), first.size());
+  }
+}
+
 // With no irregularity the phases of a constant field are those of one plane wave.
 TEST(Kernels, AgreeOnOneWaveWhereTheyCan) {
   const Surface surface = sheet();
