@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "asset_header.h"
 #include "direction_codec.h"
@@ -164,14 +165,17 @@ TEST(Loader, ARestThatIsNotTheBindPoseIsStored) {
 
 // A cooked sheet with something wrong in it under a checksum that is right.
 Status loadChanged(const std::function<void(format::Asset&)>& change,
-                   pipeline::LayerRecipe layer = axisLayer({1, 0, 0})) {
+                   pipeline::LayerRecipe layer = axisLayer({1, 0, 0}),
+                   pipeline::GeometryCodec codec = pipeline::GeometryCodec::kDraco) {
   SourceScene scene = sceneOf(sheet(3), [](glm::dvec3 p) { return p * 0.9; });
   scene.primitives.push_back(scene.primitives[0]);
   scene.parts.push_back(scene.parts[0]);
   scene.parts[1].primitive = 1;
   scene.parts[1].mesh = "other";
   layer.meshes = {"other"};
-  std::vector<std::byte> file = pipeline::cook(scene, recipeOf({layer}), {}).bytes;
+  pipeline::CookOptions options;
+  options.geometry = codec;
+  std::vector<std::byte> file = pipeline::cook(scene, recipeOf({layer}), options).bytes;
   change(*flatbuffers::GetMutableRoot<format::Asset>(file.data() + sizeof(AssetHeader)));
   AssetHeader header;
   std::memcpy(&header, file.data(), sizeof header);
@@ -223,6 +227,76 @@ TEST(Loader, RefusesWhatNothingFollowsFrom) {
                   solved)
                   .code,
               StatusCode::kBadData);
+}
+
+// The first element of a stream, which those after it are told by, is off by some bits.
+void shift(const format::Stream* stream) {
+  const size_t bytes = stream->data()->size();
+  const size_t at = stream->codec() == format::Codec::MeshoptVertex     ? bytes - stream->stride()
+                    : stream->codec() == format::Codec::MeshoptSequence ? 1
+                                                                        : 0;
+  changeable(stream->data())[at] ^= 0x54;
+}
+
+const format::Attribute* attributeOf(const format::Asset& asset, format::Semantic semantic) {
+  for (const format::Attribute* each : *asset.parts()->Get(0)->attributes())
+    if (each->semantic() == semantic) return each;
+  return nullptr;
+}
+
+TEST(Loader, SaysWhichNumberIsOutOfRange) {
+  using format::Semantic;
+  constexpr uint32_t kNan = 0x7fc00000u, kZero = 0;
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.compress = pipeline::LayerRecipe().compress;
+  layer.drivers = {{"deform", 0.5, {{0.0, 0.0}, {0.5, 0.2}, {1.0, 1.0}}}};
+  const struct {
+    const char* reason;
+    std::function<void(format::Asset&)> change;
+  } cases[] = {
+      {"a part's palette is out of range",
+       [](auto& a) { setField(a.parts()->Get(0), format::Part::VT_PALETTE_COUNT, 1000); }},
+      {"a joint or weight is out of range",
+       [](auto& a) { setField(a.parts()->Get(0), format::Part::VT_PALETTE_COUNT, 0); }},
+      {"weights do not sum to one", [](auto& a) { shift(attributeOf(a, Semantic::Weights)->stream()); }},
+      {"source vertices are no permutation",
+       [](auto& a) { shift(attributeOf(a, Semantic::Source)->stream()); }},
+      {"an index is out of range", [](auto& a) { shift(a.parts()->Get(0)->indices()); }},
+      {"a number is not finite",
+       [](auto& a) { changeable(attributeOf(a, Semantic::Position)->offset())[1] = NAN; }},
+      {"an attribute without offset or step",
+       [](auto& a) { setField(attributeOf(a, Semantic::Position), format::Attribute::VT_STEP, kNan); }},
+      {"a part's rest matrix is not sound", [](auto& a) { changeable(a.parts()->Get(1)->rest())[3] = NAN; }},
+      {"an inverse bind matrix is not sound",
+       [](auto& a) { changeable(a.palette()->Get(0)->inverse_bind())[0] = INFINITY; }},
+      {"its number of points is out of range", [](auto& a) { setField(&a, format::Asset::VT_POINTS, 1000); }},
+      {"a point is out of range", [](auto& a) { setField(&a, format::Asset::VT_POINTS, 3); }},
+      {"a point has no vertex", [](auto& a) { setField(&a, format::Asset::VT_POINTS, a.points() + 1); }},
+      {"a morph target's numbers are not finite",
+       [](auto& a) { setField(a.morphs()->Get(0), format::Morph::VT_POSITION_STEP, kNan); }},
+      {"a texture's size or format is out of range",
+       [](auto& a) { setField(a.texture_sets()->Get(0)->normals(), format::Texture::VT_WIDTH, 20000); }},
+      {"a texture's size or format is out of range",
+       [](auto& a) { setField(a.texture_sets()->Get(0)->normals(), format::Texture::VT_LEVELS, 30); }},
+      {"a layer's map is out of range",
+       [](auto& a) { changeable(a.texture_sets()->Get(0)->compress_slice())[0] = 7; }},
+      {"a map's window is out of range",
+       [](auto& a) { changeable(a.texture_sets()->Get(0)->windows())[2] = 0.5f; }},
+      {"a part's texture set is out of range",
+       [](auto& a) { setField(a.parts()->Get(1), format::Part::VT_TEXTURE_SET, 1); }},
+      {"a layer's response is out of range",
+       [](auto& a) { setField(a.layers()->Get(0), format::Layer::VT_BETA, kZero); }},
+      {"a driver is out of range",
+       [](auto& a) { setField(a.layers()->Get(0)->drivers()->Get(0), format::Driver::VT_GAIN, kNan); }},
+      {"a driver's curve is not sound",
+       [](auto& a) { changeable(a.layers()->Get(0)->drivers()->Get(0)->curve())[2] = 0.0f; }},
+  };
+  for (const auto& each : cases) {
+    const Status status = loadChanged(each.change, layer, pipeline::GeometryCodec::kRaw);
+    EXPECT_EQ(status.code, StatusCode::kBadData) << each.reason;
+    EXPECT_NE(std::string_view(status.message).find(each.reason), std::string_view::npos)
+        << status.message << ", expected: " << each.reason;
+  }
 }
 
 // On a ball, where the normal is the position; the file holds three numbers instead of a stream.
