@@ -1,6 +1,6 @@
 // furrow's shader library: from the weights of a vertex and the maps of a texture set to the wrinkled
-// normal. An engine includes this text in its pixel shader. It compiles as GLSL (3.30 and up, or ES 3.00)
-// and, with FURROW_HLSL defined, as HLSL.
+// normal. An engine includes this text in its pixel shader. It compiles as GLSL (3.30 and up, or ES 3.00
+// with highp floats, integers and samplers) and, with FURROW_HLSL defined, as HLSL.
 //
 // In one call, from control flow that a whole triangle goes through:
 //
