@@ -31,6 +31,8 @@ constexpr double kNearlyWhole = 0.9;      // of a period: not worth a window
 constexpr double kSpacingsAcross = 36.0;  // default: the squeezed region's diagonal holds this many ridges
 constexpr double kFlat = 0.9;             // of a sheet's area, the largest shadow that it casts at least
 constexpr float kFaintest = 0.2f;         // depth of a synthesised map where the clips squeeze least
+constexpr double kFewestTexels = 4.0;     // a spacing, of kTexelsASpacing in the mean
+constexpr double kMostCoarse = 0.35;      // of what a layer covers, what may have fewer
 
 struct PresetDefaults {
   double spacing, depth;  // of the default spacing; of the spacing
@@ -148,15 +150,11 @@ class MapBake {
     const double covered = static_cast<double>(std::count(texels.begin(), texels.end(), true));
     const auto [length, area] = sizeOfUvs(set);
     const double shared = 1.0 - covered / (area * kOverlapSize * kOverlapSize);
-    const auto warn = [&](const std::string& what) {
-      warnings_.push_back("the UVs of " + (set.name.empty() ? "a mesh" : "material \"" + set.name + "\"") +
-                          what);
-    };
     if (area == 0.0)
-      warn(" have no area: it gets weights, but no wrinkle maps; unwrap it");
+      warn(set, " have no area: it gets weights, but no wrinkle maps; unwrap it");
     else if (shared > kMostShared)
-      warn(" overlap: " + std::to_string(static_cast<int>(100.0 * shared)) +
-           "% of them show the wrinkles of another place; unwrap them apart");
+      warn(set, " overlap: " + std::to_string(static_cast<int>(100.0 * shared)) +
+                    "% of them show the wrinkles of another place; unwrap them apart");
     for (size_t s = 0; s < sets.size(); ++s) {
       const double other = sizeOfUvs(sets[s]).length;
       if (length > 1.5 * other || other > 1.5 * length) continue;
@@ -170,6 +168,11 @@ class MapBake {
     }
     sets.push_back(std::move(set));
     taken_.push_back(std::move(texels));
+  }
+
+  void warn(const BakedTextureSet& set, const std::string& what) {
+    warnings_.push_back("the UVs of " + (set.name.empty() ? "a mesh" : "material \"" + set.name + "\"") +
+                        what);
   }
 
   std::shared_ptr<const Pattern> prepare(const Map& map, const BakedLayer& layer, const std::string& name) {
@@ -231,6 +234,19 @@ class MapBake {
     return drawn;
   }
 
+  struct Areas {  // of a triangle, twice
+    double area = 0.0, uv_area = 0.0;
+  };
+  Areas areasOf(uint32_t t) const {
+    const glm::uvec3 v = in_.surface.triangles[t];
+    const glm::dvec3 a = in_.surface.positions[v.x];
+    const glm::dvec2 s = in_.surface.uvs[v.x], e = glm::dvec2(in_.surface.uvs[v.y]) - s,
+                     f = glm::dvec2(in_.surface.uvs[v.z]) - s;
+    return {glm::length(glm::cross(glm::dvec3(in_.surface.positions[v.y]) - a,
+                                   glm::dvec3(in_.surface.positions[v.z]) - a)),
+            std::abs(e.x * f.y - e.y * f.x)};
+  }
+
   struct UvSize {
     double length = 0.0;  // of one unit of UV in root space
     double area = 0.0;    // of all triangles together, in UV
@@ -240,13 +256,9 @@ class MapBake {
     for (uint32_t part : set.parts)
       for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end;
            ++t) {
-        const glm::uvec3 v = in_.surface.triangles[t];
-        const glm::dvec3 a = in_.surface.positions[v.x];
-        area += glm::length(glm::cross(glm::dvec3(in_.surface.positions[v.y]) - a,
-                                       glm::dvec3(in_.surface.positions[v.z]) - a));
-        const glm::dvec2 s = in_.surface.uvs[v.x], e = glm::dvec2(in_.surface.uvs[v.y]) - s,
-                         f = glm::dvec2(in_.surface.uvs[v.z]) - s;
-        uv_area += std::abs(e.x * f.y - e.y * f.x);
+        const Areas of = areasOf(t);
+        area += of.area;
+        uv_area += of.uv_area;
       }
     return {uv_area > 0.0 ? std::sqrt(area / uv_area) : 0.0, 0.5 * uv_area};
   }
@@ -367,6 +379,29 @@ class MapBake {
     return pose;
   }
 
+  // Whether the charts differ so much in scale that much of the layer would show its wrinkles as shards.
+  bool isTooUneven(const BakedTextureSet& set, size_t layer, double length_of_uv) {
+    const std::vector<float>& strength = layers_[layer].field.strength;
+    const double fewest = kFewestTexels / (kTexelsASpacing * length_of_uv);  // UV a length
+    double area = 0.0, coarse = 0.0;
+    for (uint32_t part : set.parts)
+      for (uint32_t t = in_.surface.parts[part].triangle_begin; t < in_.surface.parts[part].triangle_end;
+           ++t) {
+        const glm::uvec3 p = in_.surface.trianglePoints(t);
+        if (!layers_[layer].covered[t] || strength[p.x] + strength[p.y] + strength[p.z] == 0.0f) continue;
+        const Areas of = areasOf(t);
+        area += of.area;
+        if (of.uv_area < fewest * fewest * of.area) coarse += of.area;
+      }
+    if (coarse <= kMostCoarse * area) return false;
+    warn(set, " are too uneven for layer \"" + recipe_.layers[layer].name +
+                  "\": " + std::to_string(static_cast<int>(100.0 * coarse / area)) +
+                  "% of it has less than a third of the texels that wrinkles take; it gets weights, but no "
+                  "wrinkle map; "
+                  "unwrap the mesh more evenly");
+    return true;
+  }
+
   WrinkleMaps draw(const Pose& pose, const TexelMap& texels) {
     WrinkleMaps maps;
     if (std::holds_alternative<MapNormal>(*pose.map)) {
@@ -402,6 +437,7 @@ class MapBake {
       for (const bool stretch : {false, true}) {
         Pose next = pose(l, stretch, window, length_of_uv);
         if (next.wanted == glm::dvec2(0.0)) continue;
+        if (next.pattern && isTooUneven(set, l, length_of_uv)) continue;
         (stretch ? set.stretch_slice : set.compress_slice)[l] = static_cast<uint32_t>(poses.size());
         wanted = glm::max(wanted, next.wanted);
         poses.push_back(std::move(next));

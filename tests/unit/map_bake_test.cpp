@@ -130,6 +130,32 @@ TEST(MapBake, UvsThatLieInOnePointAreSaid) {
   EXPECT_NE(sheet.warnings[0].find("have no area"), std::string::npos) << sheet.warnings[0];
 }
 
+// Charts of very different scales, as an automatic unwrap leaves them: what is drawn from a few texels are
+// shards.
+TEST(MapBake, UvsThatLeaveMuchOfALayerWithoutTexelsGetNoMap) {
+  // A band of the sheet has all of the UVs but for a hundredth.
+  const auto bake = [](float band) {
+    Sheet sheet;
+    sheet.add(kEverywhere, 0.1);
+    sheet.add([](float x, float) { return x < 0.2f; }, 0.1);
+    for (glm::vec2& uv : sheet.surface.uvs)
+      uv = uv.x < band ? glm::vec2(uv.x * 0.99f / band, uv.y)
+                       : glm::vec2(0.99f + 0.01f * (uv.x - band) / (1.0f - band), uv.y);
+    BakedTextureSet set = sheet.bake();
+    return std::pair(std::move(set), sheet.warnings);
+  };
+  const auto [uneven, warnings] = bake(0.5f);
+  EXPECT_EQ(uneven.compress_slice[0], kAbsent);
+  EXPECT_NE(uneven.compress_slice[1], kAbsent);  // lies on the band alone
+  EXPECT_EQ(uneven.normals.slices, 1u);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("too uneven for layer \"layer 0\": 50%"), std::string::npos) << warnings[0];
+
+  const auto [even, none] = bake(0.75f);
+  EXPECT_NE(even.compress_slice[0], kAbsent);
+  EXPECT_TRUE(none.empty());
+}
+
 TEST(MapBake, AMaterialThatNoLayerShowsOnHasNoSet) {
   Sheet sheet;
   sheet.add([](float x, float) { return x < 0.5f; }, 0.1);
