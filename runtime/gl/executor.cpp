@@ -121,8 +121,9 @@ Status Executor::State::checkLimits(const Item& item) const {
 Status Executor::State::allocate(Buffer id) {
   const BufferDesc& desc = plan->buffer(id);
   if (desc.bytes == 0) return {};
+  const bool uniform = id == Buffer::kFrame && plan->options().form != Form::kClustered;
   const auto most =
-      id == Buffer::kFrame ? static_cast<uint64_t>(limit(GL_MAX_UNIFORM_BLOCK_SIZE))
+      uniform    ? static_cast<uint64_t>(limit(GL_MAX_UNIFORM_BLOCK_SIZE))
       : raster() ? uint64_t{sizeof(uint32_t)} * static_cast<uint64_t>(limit(GL_MAX_TEXTURE_BUFFER_SIZE))
                  : static_cast<uint64_t>(limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE));
   if (desc.bytes > most)

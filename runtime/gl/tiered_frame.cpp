@@ -125,29 +125,32 @@ struct TieredFrame::State {
   std::unique_ptr<Executor> executor;
   std::unique_ptr<CpuTier> cpu;
 
-  Status start(Tier wanted) {
+  // On failure there is neither executor nor cpu tier.
+  Status start(Tier wanted) try {
+    executor.reset();
+    plan.reset();
     fresh = true;
     tier = wanted;
     if (tier == Tier::kCpu) {
-      cpu = std::make_unique<CpuTier>();
-      return cpu->create(*asset, options);
+      auto made = std::make_unique<CpuTier>();
+      const Status status = made->create(*asset, options);
+      if (status.ok()) cpu = std::move(made);
+      return status;
     }
     options.form = formOf(tier);
     plan = std::make_unique<FramePlan>(*asset, options);
-    executor = std::make_unique<Executor>();
-    return executor->create(*plan, lost);
+    auto made = std::make_unique<Executor>();
+    const Status status = made->create(*plan, lost);
+    if (status.ok()) executor = std::move(made);
+    return status;
+  } catch (const std::bad_alloc&) {
+    return Status::error(StatusCode::kOutOfMemory, "out of memory");
   }
 
-  // To the next tier that there is.
-  void fall() {
-    executor.reset();
-    plan.reset();
-    do {
-      const Status status = start(nextTier(tier));
-      if (status.ok()) return;
-      executor.reset();
-      plan.reset();
-    } while (tier != Tier::kCpu);
+  // To the next tier that there is; the last one is tried again with each frame.
+  Status fall() {
+    for (;;)
+      if (const Status status = start(nextTier(tier)); status.ok() || tier == Tier::kCpu) return status;
   }
 };
 
@@ -176,6 +179,8 @@ Status TieredFrame::run(const FrameInput& input) try {
   State& s = *state_;
   FrameInput now = input;
   now.reset = input.reset || s.fresh;
+  if (!s.cpu && !s.executor)
+    if (Status status = s.fall(); !status.ok()) return status;
   if (s.cpu) {
     const Status status = s.cpu->run(now);
     s.fresh = !status.ok();

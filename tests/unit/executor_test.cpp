@@ -419,6 +419,22 @@ TEST_P(ClusteredTest, ManyInstancesInOneDispatch) {
   expectSameWeights(weightsOf(2), pose(2, 0.04f));
 }
 
+// Their constants lie in a storage buffer, which holds more than a uniform buffer does.
+TEST_P(ClusteredTest, AThousandInstances) {
+  const AssetView& asset = ball_.view();
+  const FramePlan plan(asset, {.normals = false, .instances = 1000});
+  gl::Executor executor;
+  const Status status = executor.create(plan);
+  ASSERT_TRUE(status.ok()) << status.message;
+  const uint32_t last[] = {999};
+  ASSERT_TRUE(executor.upload(frame_, last[0]).ok());
+  ASSERT_TRUE(executor.run(last).ok());
+  std::vector<int16_t> weights(size_t{asset.vertexCount()} * asset.weightStride());
+  executor.read(Buffer::kWeights, std::as_writable_bytes(std::span(weights)),
+                last[0] * plan.instanceBytes(Buffer::kWeights));
+  expectSameWeights(weights, cpuWeights(posed()));
+}
+
 // A point in more triangles than a cluster of the GPU holds.
 TEST_P(ClusteredTest, WhatClustersCannotHoldIsStaged) {
   Primitive fan;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <string>
 
 #include "furrow/cluster_frame.h"
@@ -12,6 +13,27 @@
 #include "sheets.h"
 #include "tests/image/ball_asset.h"
 #include "tests/image/gl_fixture.h"
+
+namespace {
+
+constexpr long kNever = -1;
+long allocations_left = kNever;  // until they fail
+
+}  // namespace
+
+// gcc would see malloc() and delete together.
+[[gnu::noinline]] void* operator new(size_t bytes) {
+  if (allocations_left == 0) throw std::bad_alloc();
+  if (allocations_left > 0) --allocations_left;
+  if (void* memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept {
+  std::free(memory);
+}
 
 namespace furrow::tests {
 namespace {
@@ -161,6 +183,27 @@ TEST_F(LostContext, FramesWithoutEasesGoAllTheWay) {
     ASSERT_TRUE(frame.run(input).ok());
     expectWeights(frame);  // hardly on the way back to rest
   }
+}
+
+// Between the last GPU tier and the cpu tier there is no memory.
+TEST_F(LostContext, WithoutMemoryTheNextFrameTriesAgain) {
+  int refused = 0;
+  for (long left = 0; left < 400; left += 1 + left / 8) {
+    gl::TieredFrame frame;
+    ASSERT_TRUE(frame.create(ball_.view(), Tier::kGpuRaster, {}, reportedReset).ok());
+    ASSERT_TRUE(frame.run(input_).ok());
+    resets_to_report = 1;
+    allocations_left = left;
+    const Status lost = frame.run(input_), first = frame.run(input_);
+    allocations_left = kNever;
+    EXPECT_EQ(lost.code, StatusCode::kUnavailable);
+    EXPECT_EQ(frame.tier(), Tier::kCpu);
+    EXPECT_TRUE(first.ok() || first.code == StatusCode::kOutOfMemory) << first.message;
+    refused += !first.ok();
+    ASSERT_TRUE(frame.run(input_).ok());
+    expectWeights(frame);
+  }
+  EXPECT_GT(refused, 10);
 }
 
 TEST_F(LostContext, ADestroyedContextIsALostOne) {

@@ -25,7 +25,8 @@ class TieredFrame {
 
   // One frame; `input` must fit the asset. kUnavailable where the context is found lost: this frame has no
   // weights, tier() is the tier of the next and reason() why. What the lost context held is given up, not
-  // deleted. A tier that needs a context is passed over unless another one is current by then.
+  // deleted. A tier that needs a context is passed over unless another one is current by then. kOutOfMemory
+  // where there is none for the cpu tier: the next frame tries again.
   //
   // Where weights ease, the first frame on a new tier begins anew (FrameInput::reset).
   Status run(const FrameInput& input);
