@@ -169,8 +169,7 @@ class GltfImporter {
     for (const tinygltf::Material& in : model_.materials) {
       Material material;
       material.name = in.name.empty() ? named("material", scene_.materials.size()) : in.name;
-      // Older exporters (Sketchfab's above all) give colours that way alone.
-      const auto glossy = in.extensions.find("KHR_materials_pbrSpecularGlossiness");
+      const auto glossy = in.extensions.find(kSpecularGlossiness);
       std::vector<double> color = in.pbrMetallicRoughness.baseColorFactor;
       if (glossy != in.extensions.end()) color = numbersOf(glossy->second.Get("diffuseFactor"));
       for (size_t c = 0; c < std::min<size_t>(color.size(), 4); ++c)
@@ -323,6 +322,8 @@ class GltfImporter {
       if (names && t < names->ArrayLen() && names->Get(static_cast<int>(t)).IsString())
         morph.name = oneLine(names->Get(static_cast<int>(t)).Get<std::string>());
       if (t < weights->size()) morph.default_weight = (*weights)[t];
+      if (!(std::abs(morph.default_weight) <= double{std::numeric_limits<float>::max()}))
+        fail(where_ + " gives a morph target a weight that is no float");
       scene_.rig.morphs.push_back(std::move(morph));
     }
     return first;

@@ -478,9 +478,11 @@ std::vector<std::filesystem::path> gltfFiles(const std::filesystem::path& file,
   };
   each("buffers", [&](const json& buffer) { add(&buffer, true); });
   each("materials", [&](const json& material) {
-    const json* pbr = find(material, "pbrMetallicRoughness");
-    for (const json* info :
-         {pbr ? find(*pbr, "baseColorTexture") : nullptr, find(material, "normalTexture")}) {
+    const json* extensions = find(material, "extensions");
+    const json* glossy = extensions ? find(*extensions, kSpecularGlossiness) : nullptr;
+    const json* colors = glossy ? glossy : find(material, "pbrMetallicRoughness");
+    for (const json* info : {colors ? find(*colors, glossy ? "diffuseTexture" : "baseColorTexture") : nullptr,
+                             find(material, "normalTexture")}) {
       const json* texture = info ? element(root, "textures", find(*info, "index")) : nullptr;
       if (texture) add(element(root, "images", imageOf(*texture)), false);
     }

@@ -26,6 +26,9 @@
 
 namespace furrow::pipeline {
 
+// Where older exporters (Sketchfab's above all) have a material's colours.
+inline constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
 // An accessor in place. All its elements and sparse replacements lie inside bytes that outlive it (the
 // document's).
 struct AccessorView {

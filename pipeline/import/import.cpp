@@ -16,6 +16,7 @@ namespace {
 
 constexpr size_t kStlHeader = 84;
 constexpr size_t kStlTriangle = 50;
+constexpr size_t kMostNumbers = size_t{1} << 30;
 
 std::string_view skipSpace(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -105,11 +106,26 @@ auto guarded(const std::filesystem::path& file, const Read& read) {
   }
 }
 
+// All parts together are numbered in 32 bits. A mesh counts as often as nodes show it.
+void requireCountable(const SourceScene& scene) {
+  size_t vertices = 0, corners = 0;
+  for (const Part& part : scene.parts) {
+    vertices += scene.primitives[part.primitive].positions.size();
+    corners += scene.primitives[part.primitive].indices.size();
+  }
+  if (std::max(vertices, corners) > kMostNumbers)
+    throw Error(Exit::kBadData, scene.file.string(),
+                "its nodes show " + std::to_string(vertices) + " vertices and " +
+                    std::to_string(corners / 3) + " triangles together",
+                "split it into files of at most 2^30 vertices and 2^30 / 3 triangles");
+}
+
 SourceScene sceneOf(const std::filesystem::path& file, std::vector<uint8_t> bytes) {
   const std::optional<MeshFormat> format = tellFormat(file, bytes);
   SourceScene scene =
       format ? importMeshFile(file, *format, std::move(bytes)) : importGltf(file, std::move(bytes));
   scene.file = file;
+  requireCountable(scene);
   return scene;
 }
 

@@ -17,6 +17,7 @@ namespace furrow::pipeline {
 namespace {
 
 constexpr int kMaxSide = 16384;  // of a texture on the GPUs furrow is for
+constexpr float kMostUv = 1e6f;  // further out floats tell no texels apart
 
 ImageModule loadImageModule() {
   const std::filesystem::path file = imageModuleFile();
@@ -125,6 +126,7 @@ Image toFloats(const ByteImage& image) {
 }
 
 float sampleAt(const ByteImage& image, glm::vec2 uv, uint32_t channel) {
+  if (!(std::abs(uv.x) < kMostUv && std::abs(uv.y) < kMostUv)) uv = glm::vec2(0.0f);
   const auto wrap = [](float t, uint32_t size) {
     const auto i = static_cast<int64_t>(std::floor(t)) % static_cast<int64_t>(size);
     return static_cast<uint32_t>(i < 0 ? i + size : i);

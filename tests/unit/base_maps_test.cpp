@@ -303,6 +303,14 @@ TEST(BaseMaps, OlderMaterialsHaveTheirColoursElsewhere) {
                             "\"diffuseFactor\":7}}"));
   EXPECT_TRUE(bare.asset.view().base_maps.empty());
   EXPECT_EQ(bare.asset.view().parts[0].base_color.y, 1.0f);
+
+  const std::vector<uint8_t> png = fileOf(quadrants(3), "png");
+  const fs::path beside = writeFile("glossy.png", std::string(png.begin(), png.end()));
+  const fs::path file = square.write(
+      "glossy.glb", "\"uri\":\"glossy.png\"", "\"source\":0",
+      "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":{\"index\":0}}}");
+  EXPECT_THAT(cookFile(file).cooked.dependencies, ElementsAre(file, beside));
+  EXPECT_THAT(importedFiles(file), ElementsAre(file, beside));
 }
 
 TEST(BaseMaps, TheirSizeHasALimitAndNoneCanBeKept) {

@@ -136,6 +136,17 @@ TEST_F(ImageTest, WritesPngAlone) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
+TEST(SampleAt, IsAValueWhateverTheUvs) {
+  const ByteImage image{2, 2, 1, {10, 20, 30, 40}};
+  EXPECT_EQ(sampleAt(image, {0.25f, 0.25f}, 0), 10.0f / 255.0f);
+  EXPECT_EQ(sampleAt(image, {-0.75f, 3.25f}, 0), 10.0f / 255.0f);
+  for (const float far : {1e9f, -1e9f, 3e38f, -3e38f, INFINITY}) {
+    const float value = sampleAt(image, {far, 0.25f}, 0);
+    EXPECT_GE(value, 10.0f / 255.0f) << far;
+    EXPECT_LE(value, 40.0f / 255.0f) << far;
+  }
+}
+
 TEST(Resize, KeepsConstantsAndRampsAndHalvesByTheMean) {
   Image ramp{8, 4, 2, {}};
   for (uint32_t i = 0; i < 32; ++i) {

@@ -332,6 +332,16 @@ TEST(Import, TargetNamesMayStandInThePrimitive) {
   EXPECT_EQ(scene.rig.morphs.at(0).name, "Joy");
 }
 
+TEST(Import, WeightsOfTargetsAreFloats) {
+  const auto weighted = [](const char* weight) {
+    return triangleFile().glb(
+        R"("nodes":[{"mesh":0,"weights":[)" + std::string(weight) +
+        R"(]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"targets":[{"POSITION":0}]}]}])");
+  };
+  EXPECT_EQ(importText("weight.glb", weighted("0.25")).rig.morphs.at(0).default_weight, 0.25);
+  EXPECT_THAT(refusalOf("weight.glb", weighted("1e300")), HasSubstr("a weight that is no float"));
+}
+
 TEST(Import, JsonMayBePaddedWithZeros) {
   std::string glb = triangleFile().glb(shown(kTriangle) + R"(,"extras":{"pad":"12345"}  )");
   const size_t end = 20 + *reinterpret_cast<const uint32_t*>(glb.data() + 12);
@@ -504,6 +514,17 @@ TEST(Import, RefusesASmallFileThatUnfoldsIntoAHugeOne) {
   std::string primitives = kTriangle;
   for (int i = 0; i < 20000; ++i) primitives += std::string(",") + kTriangle;
   EXPECT_THAT(refusalOf("bomb.glb", file.glb(shown(primitives))), HasSubstr("over and over"));
+}
+
+TEST(Import, RefusesMoreVerticesThanNumbers) {
+  GltfBuilder file;
+  file.add<float>(std::vector<float>(3 * 20000), "VEC3", 3);
+  std::string nodes = R"({"mesh":0})";
+  for (int i = 1; i < 60000; ++i) nodes += R"(,{"mesh":0})";
+  EXPECT_THAT(
+      refusalOf("crowd.glb", file.glb(R"("nodes":[)" + nodes +
+                                      R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])")),
+      HasSubstr("its nodes show 1200000000 vertices"));
 }
 
 TEST(Import, RefusesBrokenGltf) {
@@ -707,6 +728,7 @@ TEST(Import, NonManifoldFacesStay) {
 }
 
 TEST(Import, ObjIsRefusedWhereItLies) {
+  EXPECT_THAT(refusalOf("wide.obj", std::string("\xFF\xFEv\0 \0", 6)), HasSubstr("UTF-16"));
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   EXPECT_THAT(refusalOf("far.obj", vertices + "f 1 2 4\n"), HasSubstr("vertex 3 of 3"));
   EXPECT_THAT(refusalOf("zero.obj", vertices + "f 0 1 2\n"), HasSubstr("does not exist"));
@@ -715,13 +737,14 @@ TEST(Import, ObjIsRefusedWhereItLies) {
               HasSubstr("three numbers"));
 }
 
-TEST(Import, PlyStlAndOff) {
-  const std::string header =
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n";
-  const std::string list = "property list uchar int vertex_indices\nend_header\n";
+const std::string kPlyHeader =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n";
+const std::string kPlyList = "property list uchar int vertex_indices\nend_header\n";
+
+TEST(Import, Ply) {
   const std::string body = "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 51\n3 0 1 2\n";
-  const SourceScene ply = importText("colors.ply", header + list + body);
+  const SourceScene ply = importText("colors.ply", kPlyHeader + kPlyList + body);
   expectSound(ply);
   EXPECT_FLOAT_EQ(ply.primitives[0].attributes.at(0).values[10], 0.2f);
   // What furrow does not use: lists, before and behind the corners, other elements, flags, comments.
@@ -737,20 +760,22 @@ TEST(Import, PlyStlAndOff) {
   EXPECT_EQ(count(mixed), (Counts{3, 1, 1, 0, 0, 0}));
   EXPECT_EQ(mixed.primitives[0].positions[2], glm::vec3(0, 1, 0));
   EXPECT_FLOAT_EQ(mixed.primitives[0].attributes.at(0).values[10], 0.2f);
-  EXPECT_THAT(refusalOf("cloud.ply", header.substr(0, header.find("element face")) + "end_header\n" +
+  EXPECT_THAT(refusalOf("cloud.ply", kPlyHeader.substr(0, kPlyHeader.find("element face")) + "end_header\n" +
                                          body.substr(0, body.find("3 0 1 2"))),
               HasSubstr("cloud of points"));
   EXPECT_THAT(refusalOf("endless.ply",
                         "ply\nformat ascii 1.0\nelement vertex 18446744073709551615\n"
                         "element face 1\n" +
-                            list + "3 0 1 2\n"),
+                            kPlyList + "3 0 1 2\n"),
               HasSubstr("without properties"));
-  EXPECT_THAT(refusalOf("cut.ply", header + list + body.substr(0, 30)), HasSubstr("cut off"));
-  EXPECT_THAT(refusalOf("header.ply", header), HasSubstr("header"));
-  std::string many = header + list + body;
+  EXPECT_THAT(refusalOf("cut.ply", kPlyHeader + kPlyList + body.substr(0, 30)), HasSubstr("cut off"));
+  EXPECT_THAT(refusalOf("header.ply", kPlyHeader), HasSubstr("header"));
+  std::string many = kPlyHeader + kPlyList + body;
   many.replace(many.find("vertex 3"), 8, "vertex 4000000000");
   EXPECT_THAT(refusalOf("many.ply", many), HasSubstr("cut off"));
+}
 
+TEST(Import, PlyAsOtherToolsWriteIt) {
   // UVs by corner, as MeshLab writes them: a vertex of two faces that differ there comes twice.
   const std::string quad =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
@@ -765,7 +790,8 @@ TEST(Import, PlyStlAndOff) {
   ASSERT_EQ(wedges.primitives[0].uvs.size(), 6u);
   EXPECT_EQ(wedges.primitives[0].uvs[wedges.primitives[0].indices[8]].x, 0.0f);
   EXPECT_EQ(wedges.primitives[0].uvs[wedges.primitives[0].indices[4]].x, 1.0f);
-  std::string named = quad + "property float texture_u\nproperty float texture_v\nelement face 1\n" + list;
+  std::string named =
+      quad + "property float texture_u\nproperty float texture_v\nelement face 1\n" + kPlyList;
   named += "0 0 0 0 1\n1 0 0 0.25 1\n1 1 0 1 1\n0 1 0 1 1\n3 0 1 2\n";
   EXPECT_EQ(importText("named.ply", named).primitives[0].uvs[1].x, 0.25f);
   // Faces first; strips, parted by -1.
@@ -779,13 +805,15 @@ TEST(Import, PlyStlAndOff) {
   EXPECT_THAT(strips.primitives[0].indices, ElementsAre(0, 1, 3, 3, 1, 2, 2, 3, 1));
   EXPECT_THAT(
       refusalOf("flat.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement face 1\n" +
-                                list + "0\n3 0 0 0\n"),
+                                kPlyList + "0\n3 0 0 0\n"),
       HasSubstr("x, y and z"));
+}
 
+TEST(Import, BinaryPly) {
   std::string big =
       "ply\nformat binary_big_endian 1.0\nobj_info element end_header\nelement vertex 3\nproperty float x\n"
       "property double y\nproperty float z\nproperty float s\nproperty float t\nelement face 1\n" +
-      list;
+      kPlyList;
   const auto append = [&big](auto value) {
     const char* bytes = reinterpret_cast<const char*>(&value);
     for (size_t i = sizeof value; i-- > 0;) big.push_back(bytes[i]);
@@ -807,7 +835,7 @@ TEST(Import, PlyStlAndOff) {
   // Integer positions, of every width, and in text.
   std::string whole =
       big.substr(0, big.find("element vertex")) +
-      "element vertex 3\nproperty uchar x\nproperty short y\nproperty int z\nelement face 1\n" + list;
+      "element vertex 3\nproperty uchar x\nproperty short y\nproperty int z\nelement face 1\n" + kPlyList;
   std::swap(whole, big);
   for (const int v : {200, 100, 0}) {
     append(static_cast<uint8_t>(v));
@@ -821,11 +849,13 @@ TEST(Import, PlyStlAndOff) {
   EXPECT_EQ(importText("text.ply",
                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty uchar y\n"
                        "property char z\nelement face 1\n" +
-                           list + "0 0 0\n-70000 255 -1\n0 1 0\n3 0 1 2\n")
+                           kPlyList + "0 0 0\n-70000 255 -1\n0 1 0\n3 0 1 2\n")
                 .primitives[0]
                 .positions[1],
             glm::vec3(-70000, 255, -1));
+}
 
+TEST(Import, Off) {
   const std::string off = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3";
   EXPECT_EQ(count(importText("square.off", off + "\n")), (Counts{4, 2, 1, 0, 0, 0}));
   EXPECT_EQ(count(importText("unended.off", off)), (Counts{4, 2, 1, 0, 0, 0}));
@@ -853,7 +883,9 @@ TEST(Import, PlyStlAndOff) {
     EXPECT_EQ(count(square), (Counts{4, 2, 1, 0, 0, 0}));
     EXPECT_NEAR(area(square), 1.0, 1e-9);
   }
+}
 
+TEST(Import, Stl) {
   const std::string stl =
       "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
       "endfacet\nendsolid s\n";
@@ -870,7 +902,6 @@ TEST(Import, PlyStlAndOff) {
   std::string returns = stl;
   std::replace(returns.begin(), returns.end(), '\n', '\r');
   EXPECT_EQ(count(importText("returns.stl", returns)), (Counts{3, 1, 1, 0, 0, 0}));
-  EXPECT_THAT(refusalOf("wide.obj", std::string("\xFF\xFEv\0 \0", 6)), HasSubstr("UTF-16"));
   std::string binary(80, ' ');
   binary.append("\x01\0\0\0", 4);
   const float corners[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
