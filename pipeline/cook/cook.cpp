@@ -55,56 +55,26 @@ class Cook {
     reportConfidence(layers);
     for (size_t l = 0; l < layers.size(); ++l) resolveMaps(input, layers[l], recipe_.layers[l]);
     stage("making maps");
-    std::vector<PackedPart>& parts = ground_->packed.parts;
-    for (PackedPart& part : parts) part.texture_set = kAbsent;
-    std::vector<BakedTextureSet> sets =
-        bakeMaps(input, recipe_, layers, options_.threads, dependencies_, report_.warnings, memory_.patterns);
-    own_memory_.patterns.clear();
-    for (uint32_t s = 0; s < sets.size(); ++s)
-      for (uint32_t part : sets[s].parts) parts[part].texture_set = s;
+    std::vector<BakedTextureSet> sets = bakeSets(input, layers);
 
     stage("packing");
     Cooked cooked;
-    const Packing& packed = ground_->packed;
-    cooked.bytes =
-        writeAsset({ground_->scene, packed.surface, ground_->weld, recipe_, layers, sets, base_maps_.maps,
-                    packed.parts, packed.source_vertex, packed.colors, packed.place_points, packed.influences,
-                    packed.position_error, packed.place_error},
-                   options_.threads);
+    cooked.bytes = pack(layers, sets);
     report();
     cooked.dependencies = ground_->scene.dependencies;
     const std::string name = ground_->scene.file.string();
     release(layers, sets, kept_, ground_);
     own_memory_.forgetScene();
     stage("loading it again");
-    Asset& loaded = cooked.asset;
-    if (const Status status = loaded.load(cooked.bytes); !status.ok())
+    if (const Status status = cooked.asset.load(cooked.bytes); !status.ok())
       throw Error(Exit::kBadData, name,
                   std::string("the asset made of it does not load (") + status.message + ")",
                   "report this as a fault of furrow");
     endStage();
-    const auto tellTexture = [&](const std::string& set, const Texture& texture, bool own) {
-      if (texture.slices > 0)
-        report_.textures.push_back({set, texture.format, texture.width, texture.height, texture.slices,
-                                    texture.data.size(), texture.rms_error, texture.largest_error, own});
-    };
-    for (const TextureSet& set : loaded.view().texture_sets)
-      for (const Texture* texture : {&set.normals, &set.shading, &set.masks})
-        tellTexture(std::string(set.name), *texture, false);
-    for (size_t i = 0; i < base_maps_.maps.size(); ++i)
-      for (const Texture* texture : {&loaded.view().base_maps[i].color, &loaded.view().base_maps[i].normal})
-        tellTexture(base_maps_.maps[i].material, *texture, true);
-    report_.bytes = cooked.bytes.size();
-    report_.morph_error = double{loaded.view().morph_error};
-    cooked.recipe = recipe_;
+    reportAsset(cooked);
+    cooked.recipe = std::move(recipe_);
     cooked.report = std::move(report_);
-    if (!recipe_.file.empty()) cooked.dependencies.push_back(recipe_.file);
-    for (const std::filesystem::path& file : dependencies_) {
-      const auto embedded = embeddedImage(file);
-      for (const std::filesystem::path& read : embedded ? embedded->files : std::vector{file})
-        if (std::ranges::find(cooked.dependencies, read) == cooked.dependencies.end())
-          cooked.dependencies.push_back(read);
-    }
+    addDependencies(cooked);
     return cooked;
   }
 
@@ -115,6 +85,53 @@ class Cook {
     for (std::string& warning : base_maps_.warnings) warn(std::move(warning));
     dependencies_.insert(dependencies_.end(), base_maps_.dependencies.begin(), base_maps_.dependencies.end());
     release(scene_.images);
+  }
+
+  std::vector<BakedTextureSet> bakeSets(const LayerInput& input, const std::vector<BakedLayer>& layers) {
+    std::vector<PackedPart>& parts = ground_->packed.parts;
+    for (PackedPart& part : parts) part.texture_set = kAbsent;
+    std::vector<BakedTextureSet> sets =
+        bakeMaps(input, recipe_, layers, options_.threads, dependencies_, report_.warnings, memory_.patterns);
+    own_memory_.patterns.clear();
+    for (uint32_t s = 0; s < sets.size(); ++s)
+      for (uint32_t part : sets[s].parts) parts[part].texture_set = s;
+    return sets;
+  }
+
+  std::vector<std::byte> pack(const std::vector<BakedLayer>& layers,
+                              const std::vector<BakedTextureSet>& sets) const {
+    const Packing& packed = ground_->packed;
+    return writeAsset({ground_->scene, packed.surface, ground_->weld, recipe_, layers, sets, base_maps_.maps,
+                       packed.parts, packed.source_vertex, packed.colors, packed.place_points,
+                       packed.influences, packed.position_error, packed.place_error},
+                      options_.threads);
+  }
+
+  void reportAsset(const Cooked& cooked) {
+    const AssetView& asset = cooked.asset.view();
+    const auto tell = [&](const std::string& set, const Texture& texture, bool own) {
+      if (texture.slices > 0)
+        report_.textures.push_back({set, texture.format, texture.width, texture.height, texture.slices,
+                                    texture.data.size(), texture.rms_error, texture.largest_error, own});
+    };
+    for (const TextureSet& set : asset.texture_sets)
+      for (const Texture* texture : {&set.normals, &set.shading, &set.masks})
+        tell(std::string(set.name), *texture, false);
+    for (size_t i = 0; i < base_maps_.maps.size(); ++i)
+      for (const Texture* texture : {&asset.base_maps[i].color, &asset.base_maps[i].normal})
+        tell(base_maps_.maps[i].material, *texture, true);
+    report_.bytes = cooked.bytes.size();
+    report_.morph_error = double{asset.morph_error};
+  }
+
+  void addDependencies(Cooked& cooked) const {
+    if (!cooked.recipe.file.empty()) cooked.dependencies.push_back(cooked.recipe.file);
+    for (const std::filesystem::path& file : dependencies_) {
+      const auto embedded = embeddedImage(file);
+      for (const std::filesystem::path& read : embedded ? embedded->files : std::vector{file})
+        if (std::ranges::find(cooked.dependencies, read) == cooked.dependencies.end())
+          cooked.dependencies.push_back(read);
+    }
   }
 
   void stage(const char* name) {

@@ -25,8 +25,8 @@ constexpr double kJitter = 0.6;    // cells
 constexpr double kCapture = 0.55;  // cells; a plane has 2 kCapture kernels per cell side squared at any angle
 // No surface in use lies along the grid.
 const glm::dquat kTilt = glm::normalize(glm::dquat(0.82, 0.31, -0.27, 0.39));
-constexpr double kPatch = 0.3;  // spacings: triangles that share a cell lie within it
-constexpr double kMaxPieces = 4e6;
+constexpr double kPatch = 0.3;                          // spacings: triangles that share a cell lie within it
+constexpr double kMaxPieces = 4e6, kMaxCells = 0x1p27;  // slivers have few pieces and many cells
 constexpr int kSweeps = 48;
 constexpr float kBroken = 0.65f,
                 kWhole = 0.97f;  // coherence where a line has lost its depth, and where it begins to lose it
@@ -126,7 +126,7 @@ class Builder {
         seed_(seed),
         reached_(surface.triangles.size(), false),
         first_of_(firstOfEqual(surface)) {
-    double pieces = 0.0;
+    double pieces = 0.0, cells = 0.0;
     for (uint32_t t = 0; t < surface.triangles.size(); ++t) {
       const glm::uvec3 points = surface.trianglePoints(t);
       const Corner3 c = corners(t);
@@ -137,8 +137,9 @@ class Builder {
       }
       reached_[t] = true;
       pieces += c.area2 / (spacing * spacing) + longestEdge(c.p) / spacing;
+      cells += partsOf(c, 1) * partsOf(c, 2);
     }
-    if (!(pieces < kMaxPieces)) {
+    if (!(pieces < kMaxPieces && cells < kMaxCells)) {
       char what[80];
       std::snprintf(what, sizeof what, "a wrinkle spacing of %.4g is too small for the surface", spacing);
       throw std::length_error(what);
@@ -153,6 +154,10 @@ class Builder {
     const glm::dvec3 a = surface_.point_positions[points.x], b = surface_.point_positions[points.y],
                      c = surface_.point_positions[points.z];
     return {{a, b, c}, glm::length(glm::cross(b - a, c - a))};
+  }
+  // Of its edge from corner 0 to `corner`, about a spacing each.
+  double partsOf(const Corner3& triangle, int corner) const {
+    return std::clamp(std::ceil(glm::distance(triangle.p[0], triangle.p[corner]) / spacing_), 1.0, 4096.0);
   }
   uint32_t triangleOf(uint32_t kernel) const { return triangle_of_[kernel]; }
   uint64_t randomOf(uint32_t kernel, uint64_t salt) const { return mix(random_of_[kernel] ^ salt); }
@@ -492,6 +497,78 @@ float smoothStep(float low, float high, float v) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+// Those whose waves meet a kernel's own.
+Graph neighboursOf(const Kernels& kernels, const Builder& builder, double spacing) {
+  Graph graph;
+  for (uint32_t k = 0; k < kernels.size(); ++k) {
+    const Kernel& here = kernels[k];
+    const uint32_t triangle = builder.triangleOf(k);
+    for (const uint32_t j : kernels.near(
+             triangle, glm::vec2(builder.corners(triangle).barycentric(glm::dvec3(here.position))))) {
+      const Kernel& there = kernels[j];
+      const glm::dvec3 step = (glm::dvec3(here.position) - glm::dvec3(there.position)) / spacing;
+      const double q = 1.0 - glm::dot(step, step) / (Kernels::kReach * Kernels::kReach);
+      const double facing = glm::dot(here.normal, there.normal),
+                   agreement = glm::dot(here.direction, there.direction);
+      if (j == k || q <= 0.0 || facing <= 0.3) {
+        continue;
+      }
+      const double sign = agreement < 0.0 ? -1.0 : 1.0;
+      const double along =
+          glm::dot((glm::dvec3(there.direction) + sign * glm::dvec3(here.direction)) * 0.5, step);
+      const double angle = sign * 2.0 * std::numbers::pi * along;
+      const double trust = 0.05 + 0.95 * builder.confidenceOf(j);
+      graph.neighbours.push_back(
+          {j,
+           sign > 0.0,
+           static_cast<float>(q * q * q * facing * agreement * agreement * trust),
+           static_cast<float>(along),
+           {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))}});
+    }
+    graph.offsets.push_back(static_cast<uint32_t>(graph.neighbours.size()));
+  }
+  return graph;
+}
+
+// Phases that agree, and depths that end where they cannot.
+void shape(const Graph& graph, const Builder& builder, double spacing, uint32_t seed,
+           const Irregularity& irregularity, std::vector<Kernel>& kernels) {
+  const auto count = static_cast<uint32_t>(kernels.size());
+  std::vector<float> confidence(count);
+  for (uint32_t k = 0; k < count; ++k) confidence[k] = builder.confidenceOf(k);
+  const std::vector<std::complex<float>> phasors = align(graph, confidence);
+  std::vector<double> phases(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    phases[k] = std::arg(std::complex<double>(phasors[k])) / (2.0 * std::numbers::pi);
+  }
+  const Graph lines = linesOf(graph, phases, irregularity.line),
+              between = linesOf(graph, phases, irregularity.line + 0.5);
+  const std::vector<float> depth = lineNoise(lines, builder, 1, irregularity.line_steps);
+  const std::vector<float> minor = lineNoise(between, builder, 2, irregularity.line_steps);
+  std::vector<float> taper(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    taper[k] = smoothStep(kBroken, kWhole, coherence(graph, phasors, k));
+  }
+  spread(lines, kTaperSteps, taper);
+  for (uint32_t k = 0; k < count; ++k) {
+    Kernel& kernel = kernels[k];
+    const glm::dvec3 at = glm::dvec3(kernel.position) / (spacing * irregularity.sway_length);
+    glm::dvec3 sway(0.0);
+    for (int i = 0; i < 3; ++i) {
+      const uint64_t salt = mix(seed) + static_cast<uint64_t>(i);
+      sway[i] = noise(at, salt) + 0.25 * noise(at * 2.7, salt + 3);
+    }
+    kernel.phase =
+        static_cast<float>(phases[k] + irregularity.sway * glm::dot(sway, glm::dvec3(kernel.direction)));
+    const auto ending = static_cast<float>(irregularity.ending),
+               shallowest = static_cast<float>(irregularity.shallowest);
+    kernel.depth =
+        taper[k] * (shallowest + (1.0f - shallowest) * smoothStep(ending, ending + 0.5f, depth[k]));
+    const auto without = static_cast<float>(1.0 - irregularity.minor);
+    kernel.minor = taper[k] * smoothStep(without, without + 0.3f, minor[k]);
+  }
+}
+
 }  // namespace
 
 glm::vec3 meanLine(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& weights,
@@ -529,7 +606,8 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
   glm::dvec3 box_low(0.0), box_high(0.0);  // of the last cell's triangles
   for (uint32_t t = 0; t < grids_.size(); ++t) {
     if (builder.reached()[t]) {
-      const auto p = builder.corners(t).p;
+      const Corner3 c = builder.corners(t);
+      const auto& p = c.p;
       const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])),
                        high = glm::max(p[0], glm::max(p[1], p[2]));
       const glm::dvec3 both = glm::max(box_high, high) - glm::min(box_low, low);
@@ -543,10 +621,8 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
       }
       box_low = low;
       box_high = high;
-      const auto parts = [&](double length) {
-        return static_cast<uint32_t>(std::clamp(std::ceil(length / spacing), 1.0, 4096.0));
-      };
-      grids_[t] = {cells, parts(glm::distance(p[0], p[1])), parts(glm::distance(p[0], p[2]))};
+      grids_[t] = {cells, static_cast<uint32_t>(builder.partsOf(c, 1)),
+                   static_cast<uint32_t>(builder.partsOf(c, 2))};
       cells += grids_[t].columns * grids_[t].rows;
     }
   }
@@ -610,68 +686,7 @@ Kernels::Kernels(const Surface& surface, const LayerField& field, double spacing
     lists_[next[cell_index]++] = k;
   }
 
-  Graph graph;
-  std::vector<float> confidence(count);
-  for (uint32_t k = 0; k < count; ++k) {
-    const Kernel& here = kernels_[k];
-    confidence[k] = builder.confidenceOf(k);
-    const uint32_t triangle = builder.triangleOf(k);
-    for (const uint32_t j :
-         near(triangle, glm::vec2(builder.corners(triangle).barycentric(glm::dvec3(here.position))))) {
-      const Kernel& there = kernels_[j];
-      const glm::dvec3 step = (glm::dvec3(here.position) - glm::dvec3(there.position)) / spacing;
-      const double q = 1.0 - glm::dot(step, step) / (kReach * kReach);
-      const double facing = glm::dot(here.normal, there.normal),
-                   agreement = glm::dot(here.direction, there.direction);
-      if (j == k || q <= 0.0 || facing <= 0.3) {
-        continue;
-      }
-      const double sign = agreement < 0.0 ? -1.0 : 1.0;
-      const double along =
-          glm::dot((glm::dvec3(there.direction) + sign * glm::dvec3(here.direction)) * 0.5, step);
-      const double angle = sign * 2.0 * std::numbers::pi * along;
-      const double trust = 0.05 + 0.95 * builder.confidenceOf(j);
-      graph.neighbours.push_back(
-          {j,
-           sign > 0.0,
-           static_cast<float>(q * q * q * facing * agreement * agreement * trust),
-           static_cast<float>(along),
-           {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))}});
-    }
-    graph.offsets.push_back(static_cast<uint32_t>(graph.neighbours.size()));
-  }
-
-  const std::vector<std::complex<float>> phasors = align(graph, confidence);
-  std::vector<double> phases(count);
-  for (uint32_t k = 0; k < count; ++k) {
-    phases[k] = std::arg(std::complex<double>(phasors[k])) / (2.0 * std::numbers::pi);
-  }
-  const Graph lines = linesOf(graph, phases, irregularity.line),
-              between = linesOf(graph, phases, irregularity.line + 0.5);
-  const std::vector<float> depth = lineNoise(lines, builder, 1, irregularity.line_steps);
-  const std::vector<float> minor = lineNoise(between, builder, 2, irregularity.line_steps);
-  std::vector<float> taper(count);
-  for (uint32_t k = 0; k < count; ++k) {
-    taper[k] = smoothStep(kBroken, kWhole, coherence(graph, phasors, k));
-  }
-  spread(lines, kTaperSteps, taper);
-  for (uint32_t k = 0; k < count; ++k) {
-    Kernel& kernel = kernels_[k];
-    const glm::dvec3 at = glm::dvec3(kernel.position) / (spacing * irregularity.sway_length);
-    glm::dvec3 sway(0.0);
-    for (int i = 0; i < 3; ++i) {
-      const uint64_t salt = mix(seed) + static_cast<uint64_t>(i);
-      sway[i] = noise(at, salt) + 0.25 * noise(at * 2.7, salt + 3);
-    }
-    kernel.phase =
-        static_cast<float>(phases[k] + irregularity.sway * glm::dot(sway, glm::dvec3(kernel.direction)));
-    const auto ending = static_cast<float>(irregularity.ending),
-               shallowest = static_cast<float>(irregularity.shallowest);
-    kernel.depth =
-        taper[k] * (shallowest + (1.0f - shallowest) * smoothStep(ending, ending + 0.5f, depth[k]));
-    const auto without = static_cast<float>(1.0 - irregularity.minor);
-    kernel.minor = taper[k] * smoothStep(without, without + 0.3f, minor[k]);
-  }
+  shape(neighboursOf(*this, builder, spacing), builder, spacing, seed, irregularity, kernels_);
 }
 
 uint32_t Kernels::cell(uint32_t triangle, glm::vec2 barycentric) const {

@@ -23,6 +23,11 @@ uint32_t channelOf(const json& object) {
   return static_cast<uint32_t>(std::string("rgba").find(object.value("channel", "r")));
 }
 
+template <typename Enum>
+Enum named(const std::array<const char*, 4>& names, const std::string& word) {
+  return static_cast<Enum>(std::ranges::find(names, word) - names.begin());
+}
+
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file) {}
@@ -78,13 +83,6 @@ class Reader {
     return vector;
   }
 
-  static Measure measure(const std::string& word) {
-    return word == "area"        ? Measure::kArea
-           : word == "principal" ? Measure::kPrincipal
-           : word == "none"      ? Measure::kNone
-                                 : Measure::kDirectional;
-  }
-
   static Response response(const json& layer, Measure measure) {
     Response response;
     if (!layer.contains("response")) {
@@ -123,18 +121,11 @@ class Reader {
     if (j.contains("height")) return MapHeight{path(j["height"]), j.value("depth", 0.0)};
     const json& s = j["synthesize"];
     MapSynthesized map;
-    if (s.contains("preset")) map.preset = preset(s["preset"].get<std::string>());
+    if (s.contains("preset")) map.preset = named<Preset>(kPresetNames, s["preset"]);
     map.spacing = s.value("spacing", 0.0);
     map.depth = s.value("depth", 0.0);
     map.seed = s.value("seed", map.seed);
     return map;
-  }
-
-  static Preset preset(const std::string& word) {
-    return word == "skin"        ? Preset::kSkin
-           : word == "skin_fine" ? Preset::kSkinFine
-           : word == "cloth"     ? Preset::kCloth
-                                 : Preset::kClothPuckers;
   }
 
   MapFinish finish(const json& map, const std::string& at) const {
@@ -166,7 +157,7 @@ class Reader {
     layer.meshes = strings(j, "meshes");
     layer.materials = strings(j, "materials");
     if (j.contains("direction")) layer.direction = direction(j["direction"], at + ".direction");
-    layer.measure = measure(j.value("measure", "directional"));
+    layer.measure = named<Measure>(kMeasureNames, j.value("measure", "directional"));
     layer.response = response(j, layer.measure);
     layer.fit = fit(j, at + ".response");
     if (j.contains("mask")) layer.mask = mask(j["mask"]);

@@ -48,6 +48,9 @@ Shape word(std::vector<std::string> words) {
   shape.words = std::move(words);
   return shape;
 }
+Shape wordOf(const std::array<const char*, 4>& names) {
+  return word({names.begin(), names.end()});
+}
 Shape list(Shape item, double min, double max) {
   Shape shape = make(Kind::kList, min, max);
   shape.inner = {std::move(item)};
@@ -147,7 +150,7 @@ Shape describeMask() {
 
 Shape describeMap() {
   Shape synthesis =
-      object({{"preset", word({"skin", "skin_fine", "cloth", "cloth_puckers"}),
+      object({{"preset", wordOf(kPresetNames),
                "Narrow valleys, fine lines, round folds or short bulges; default: skin where morph targets "
                "squeeze a surface that is no flat sheet, else cloth."},
               {"spacing", above(0, kLength),
@@ -189,7 +192,7 @@ Shape describeLayer() {
         "The direction across the creases; \"map\" takes it from the compress map, a normal or height map; "
         "default "
         "\"animation\"."},
-       {"measure", word({"directional", "area", "principal", "none"}),
+       {"measure", wordOf(kMeasureNames),
         "How squeeze is measured; \"none\" for a layer that only drivers or the game move; default "
         "\"directional\"."},
        {"response", describeResponse(), "How squeeze becomes weight."},

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/recipe/recipe.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 namespace furrow::pipeline {
 namespace {
@@ -53,11 +54,6 @@ class Writer {
     return std::holds_alternative<DirectionMap>(direction) ? "map" : "animation";
   }
 
-  static const char* measure(Measure measure) {
-    constexpr const char* kNames[] = {"directional", "area", "principal", "none"};
-    return kNames[static_cast<size_t>(measure)];
-  }
-
   static json response(const LayerRecipe& layer) {
     if (layer.fit) return {{"fit", *layer.fit}};
     const Response& r = layer.response;
@@ -93,11 +89,6 @@ class Writer {
     return out;
   }
 
-  static const char* preset(Preset preset) {
-    constexpr const char* kNames[] = {"skin", "skin_fine", "cloth", "cloth_puckers"};
-    return kNames[static_cast<size_t>(preset)];
-  }
-
   json map(const Map& map, const MapFinish& finish) const {
     json out;
     if (const auto* normal = std::get_if<MapNormal>(&map)) {
@@ -108,7 +99,7 @@ class Writer {
       if (height->depth > 0.0) out["depth"] = height->depth;
     } else if (const auto* synthesized = std::get_if<MapSynthesized>(&map)) {
       json& s = out["synthesize"] = json::object();
-      if (synthesized->preset) s["preset"] = preset(*synthesized->preset);
+      if (synthesized->preset) s["preset"] = kPresetNames[static_cast<size_t>(*synthesized->preset)];
       if (synthesized->spacing > 0.0) s["spacing"] = synthesized->spacing;
       if (synthesized->depth > 0.0) s["depth"] = synthesized->depth;
       s["seed"] = synthesized->seed;
@@ -126,7 +117,7 @@ class Writer {
     if (!layer.meshes.empty()) out["meshes"] = layer.meshes;
     if (!layer.materials.empty()) out["materials"] = layer.materials;
     out["direction"] = direction(layer.direction);
-    out["measure"] = measure(layer.measure);
+    out["measure"] = kMeasureNames[static_cast<size_t>(layer.measure)];
     if (layer.response.curve == Curve::kLarsson) out["response"] = response(layer);
     out["mask"] = mask(layer.mask);
     if (layer.bias) out["bias"] = bias(*layer.bias);

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include "pipeline/error.h"
 #include "pipeline/scene/posing.h"
@@ -104,9 +105,11 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Rest& rest
   const auto* morphs = std::get_if<RestMorphs>(&rest);
   for (const auto& [name, weight] : morphs ? morphs->weights : std::map<std::string, double>{}) {
     const auto has_name = [&name = name](const MorphTarget& target) { return target.name == name; };
-    if (std::none_of(scene.rig.morphs.begin(), scene.rig.morphs.end(), has_name))
-      throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
-                  "correct \"rest\" in the recipe");
+    if (std::ranges::any_of(scene.rig.morphs, has_name)) continue;
+    std::set<std::string> names;
+    for (const MorphTarget& target : scene.rig.morphs) names.insert(target.name);
+    throw Error(Exit::kBadData, scene.file.string(), "it has no morph target \"" + name + "\"",
+                "it has: " + joinNames({names.begin(), names.end()}, 80));
   }
   const std::vector<glm::dmat4> bind = bindMatrices(scene);
   for (size_t i = 0; i < scene.parts.size(); ++i) {

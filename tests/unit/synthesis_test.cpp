@@ -335,6 +335,12 @@ TEST(Synthesis, RefusesWhatItCannotDo) {
   const Surface surface = sheet();
   LayerField field = along(surface, {1, 0, 0});
   EXPECT_THROW(Synthesis(surface, field, skin(1e-6)), std::length_error);
+  // 300 slivers whose two edges from the first corner are 4000 spacings long have little area, and more cells
+  // than 32 bits can number.
+  const Surface ribbon = grid(
+      300, 1, [](double u, double v) { return glm::vec3(0.001 * u, 4.0 * v, 0.0); },
+      [](double, double) { return glm::vec3(0, 0, 1); });
+  EXPECT_THROW(Synthesis(ribbon, along(ribbon, {1, 0, 0}), skin(0.001)), std::length_error);
   EXPECT_THROW(Synthesis(surface, field, {Preset::kSkin, 0.0, 0.1, 1}), std::invalid_argument);
   EXPECT_THROW(Synthesis(surface, field, {Preset::kSkin, NAN, 0.1, 1}), std::invalid_argument);
   field.strength.pop_back();
