@@ -9,10 +9,10 @@
 
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"
+#include "editor/cli/outputs.h"
 #include "pipeline/bake/weld.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
-#include "pipeline/pack/output_file.h"
 
 namespace furrow::cli {
 namespace {
@@ -80,6 +80,7 @@ std::string csv(const std::vector<uint32_t>& points) {
 
 void run(const Options& options) {
   const Affine to_root = toRoot(options);
+  refuseToOverwrite({options.out}, {options.asset, options.mesh});
   const OpenedAsset opened = openAsset(options.asset);
   const AssetView& asset = opened.asset.view();
   const Mesh mesh = readMesh(options.mesh);
@@ -93,7 +94,7 @@ void run(const Options& options) {
   const BindCounts counts = job.run();
   std::printf("vertices %zu\nmatched %u\nambiguous %u\nunmatched %u\n", points.size(), counts.matched,
               counts.ambiguous, counts.unmatched);
-  std::fflush(stdout);
+  finishPrinting();
   if (counts.matched != points.size()) {
     const auto first = std::ranges::find_if(points, [](uint32_t point) { return point >= kAmbiguous; });
     const Float3 p = transformed(to_root, mesh.positions[static_cast<size_t>(first - points.begin())]);
@@ -106,8 +107,7 @@ void run(const Options& options) {
     throw Error(Exit::kBadData, options.mesh, where,
                 "for other units or axes give --scale, --up or --matrix, for rounded positions --tolerance");
   }
-  const std::string text = csv(points);
-  if (!options.out.empty()) pipeline::writeFile(options.out, std::as_bytes(std::span(text)));
+  if (!options.out.empty()) writeText(options.out, csv(points));
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include "editor/cli/pose_options.h"
 #include "furrow/gl/executor.h"
 #include "pipeline/error.h"
-#include "pipeline/pack/output_file.h"
 
 namespace furrow::cli {
 namespace {
@@ -113,10 +112,11 @@ void run(const Options& options) {
     return tier == gl::Tier::kCpu ? runCpu(asset, frame.input) : runGpu(asset, frame.input, tier);
   });
   const std::string text = csv(asset, result, frame.origin);
-  if (!options.out.empty())
-    pipeline::writeFile(options.out, std::as_bytes(std::span(text)));
-  else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw Error(Exit::kEnvironment, "standard output", "cannot be written", "name a file with -o");
+  if (options.out.empty())
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  else
+    writeText(options.out, text);
+  finishPrinting();
   backend.report();
   printWarnings(options.asset, opened.warnings);
 }

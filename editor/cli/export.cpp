@@ -1,4 +1,3 @@
-
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"
 #include "editor/cli/outputs.h"

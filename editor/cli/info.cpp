@@ -4,16 +4,13 @@
 #include "editor/cli/backend.h"
 #include "editor/cli/commands.h"
 #include "editor/cli/open_asset.h"
+#include "editor/cli/outputs.h"
 #include "furrow/frame_plan.h"
 #include "pipeline/maps/encode.h"
+#include "pipeline/recipe/recipe_schema.h"
 
 namespace furrow::cli {
 namespace {
-
-const char* measureName(Measure measure) {
-  constexpr const char* kNames[] = {"directional", "area", "principal", "none"};
-  return kNames[static_cast<size_t>(measure)];
-}
 
 nlohmann::json describe(const Texture& texture) {
   return {{"format", pipeline::textureFormatName(texture.format)},
@@ -40,7 +37,7 @@ nlohmann::json describe(const OpenedAsset& opened) {
        morphs = json::array();
   for (const Layer& layer : a.layers)
     layers.push_back({{"name", layer.name},
-                      {"measure", measureName(layer.measure)},
+                      {"measure", pipeline::kMeasureNames[static_cast<size_t>(layer.measure)]},
                       {"lambda", layer.response.lambda},
                       {"beta", layer.response.beta}});
   for (const Part& part : a.parts)
@@ -188,6 +185,7 @@ Command addInfo(CLI::App& app) {
       std::printf("%s\n", description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     else
       print(description);
+    finishPrinting();
     printWarnings(options->asset, opened.warnings);
   };
 }
@@ -201,6 +199,7 @@ Command addCheck(CLI::App& app) {
     const OpenedAsset opened = openAsset(*file);
     std::printf("%s: valid %s, %u triangles\n", file->c_str(), opened.cooked_here ? "source" : "asset",
                 opened.asset.view().triangleCount());
+    finishPrinting();
     printWarnings(*file, opened.warnings);
   };
 }

@@ -20,8 +20,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit status: 0 done, 1 bad data (an input missing, too), 2 bad usage, 3 environment (GL or a forced "
-      "backend not available, "
-      "disk).");
+      "backend not available, disk).");
   const std::map<std::string, furrow::cli::Command> commands = {
       {"cook", furrow::cli::addCook(app)},     {"info", furrow::cli::addInfo(app)},
       {"check", furrow::cli::addCheck(app)},   {"eval", furrow::cli::addEval(app)},

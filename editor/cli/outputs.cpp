@@ -1,5 +1,6 @@
 #include "editor/cli/outputs.h"
 
+#include <cstdio>
 #include <set>
 #include <span>
 
@@ -22,6 +23,12 @@ void refuseToOverwrite(const std::vector<std::filesystem::path>& outputs,
     for (const std::filesystem::path& input : inputs)
       if (std::filesystem::equivalent(input, output, ignored)) refuse("the output would overwrite an input");
   }
+}
+
+void finishPrinting() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout))
+    throw pipeline::Error(pipeline::Exit::kEnvironment, "standard output", "cannot be written",
+                          "send it where there is room");
 }
 
 void writeText(const std::filesystem::path& file, const std::string& text) {

@@ -12,6 +12,9 @@ namespace furrow::cli {
 void refuseToOverwrite(const std::vector<std::filesystem::path>& outputs,
                        const std::vector<std::filesystem::path>& inputs);
 
+// Throws Error (kEnvironment) if what was printed did not all get to standard output.
+void finishPrinting();
+
 void writeText(const std::filesystem::path& file, const std::string& text);
 
 // A Make rule; spaces, '#' and '$' escaped as Make and Ninja want them.

@@ -22,19 +22,22 @@
 namespace furrow::pipeline {
 namespace {
 
-constexpr char kMagic[8] = {'f', 'u', 'r', 'r', 'o', 'w', 'c', '1'};
+constexpr char kMagic[8] = {'f', 'u', 'r', 'r', 'o', 'w', 'c', '2'};
 
 // An entry is this, the warnings as lines, and the asset.
 struct EntryHeader {
   char magic[8];
-  uint64_t warning_bytes;
-  uint64_t hash[2];  // of what follows
+  uint64_t warning_bytes, payload_bytes;  // of them; of both
+  uint64_t hash[2];                       // of both
 };
 
-void setHash(EntryHeader& header, std::span<const std::byte> payload) {
-  const XXH128_hash_t hash = XXH3_128bits_withSeed(payload.data(), payload.size(), header.warning_bytes);
+EntryHeader headerOf(uint64_t warning_bytes, std::span<const std::byte> payload) {
+  EntryHeader header{{}, warning_bytes, payload.size(), {}};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  const XXH128_hash_t hash = XXH3_128bits_withSeed(payload.data(), payload.size(), warning_bytes);
   header.hash[0] = hash.low64;
   header.hash[1] = hash.high64;
+  return header;
 }
 
 std::string fileKey(const std::filesystem::path& file) {
@@ -94,18 +97,17 @@ std::filesystem::path CookCache::file(const std::string& key) const {
 
 std::optional<CookCache::Entry> CookCache::find(const std::string& key) const {
   std::ifstream in(file(key), std::ios::binary);
-  EntryHeader header{}, wanted{};
+  EntryHeader header{};
+  in.read(reinterpret_cast<char*>(&header), sizeof header);
   std::error_code error;
   const uintmax_t size = std::filesystem::file_size(file(key), error);
-  if (!in || error || size < sizeof header) return std::nullopt;
-  std::vector<std::byte> payload(static_cast<size_t>(size) - sizeof header);
-  in.read(reinterpret_cast<char*>(&header), sizeof header);
-  in.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
-  std::memcpy(wanted.magic, kMagic, sizeof kMagic);
-  wanted.warning_bytes = header.warning_bytes;
-  setHash(wanted, payload);
-  if (!in || std::memcmp(&header, &wanted, sizeof header) != 0 || header.warning_bytes > payload.size())
+  if (!in || error || size - sizeof header != header.payload_bytes ||
+      header.warning_bytes > header.payload_bytes)
     return std::nullopt;
+  std::vector<std::byte> payload(header.payload_bytes);
+  in.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
+  const EntryHeader wanted = headerOf(header.warning_bytes, payload);
+  if (!in || std::memcmp(&header, &wanted, sizeof header) != 0) return std::nullopt;
 
   Entry entry;
   const auto asset = payload.begin() + static_cast<std::ptrdiff_t>(header.warning_bytes);
@@ -126,14 +128,11 @@ std::optional<CookCache::Entry> CookCache::find(const std::string& key) const {
 void CookCache::store(const std::string& key, const Entry& entry) const {
   std::string warnings;
   for (const std::string& warning : entry.warnings) warnings += warning + '\n';
-  EntryHeader header{};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
-  header.warning_bytes = warnings.size();
-  std::vector<std::byte> bytes(sizeof header);
+  std::vector<std::byte> bytes(sizeof(EntryHeader));
   const std::span<const std::byte> text = std::as_bytes(std::span(warnings));
   bytes.insert(bytes.end(), text.begin(), text.end());
   bytes.insert(bytes.end(), entry.bytes.begin(), entry.bytes.end());
-  setHash(header, std::span(bytes).subspan(sizeof header));
+  const EntryHeader header = headerOf(warnings.size(), std::span(bytes).subspan(sizeof header));
   std::memcpy(bytes.data(), &header, sizeof header);
   std::error_code ignored;
   std::filesystem::create_directories(file(key).parent_path(), ignored);

@@ -111,13 +111,17 @@ bool writeThrough(const std::filesystem::path& file, std::span<const std::byte> 
   return written;
 }
 
-bool replace(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  std::error_code error;
-  const std::filesystem::path target = std::filesystem::canonical(file, error);
-  // The name of nothing yet, or of what a link leads to.
-  const std::filesystem::path& name = error ? file : target;
-  removeLeftovers(name);
-  return Temporary(name).becomes(name, bytes);
+// Follows links, to what is not there yet, too.
+bool replace(std::filesystem::path file, std::span<const std::byte> bytes) {
+  constexpr int kMostLinks = 40;  // as the kernel has it
+  std::error_code ignored;
+  for (int i = 0; std::filesystem::is_symlink(file, ignored); ++i) {
+    errno = ELOOP;
+    if (i == kMostLinks) return false;
+    file = file.parent_path() / std::filesystem::read_symlink(file, ignored);
+  }
+  removeLeftovers(file);
+  return Temporary(file).becomes(file, bytes);
 }
 
 }  // namespace

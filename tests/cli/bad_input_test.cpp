@@ -266,6 +266,16 @@ TEST_F(BadInput, OutputThatCannotBeWritten) {
   ASSERT_EQ(run({"cook", source, "-o", asset, "--quiet"}).status, 0);
   expectRefused(run({"eval", asset, "--backend", "cpu", "-o", folder() / "nowhere/out.csv"}), 3, "out.csv");
 }
+
+TEST_F(BadInput, StandardOutputThatIsFull) {
+  const std::string source = write("sheet.glb", sheet());
+  for (const std::string& command :
+       std::vector<std::string>{"info", "check", "eval --backend cpu", "bind '" + source + "'"}) {
+    const std::string line = "'" FURROW_TOOL "' " + command + " '" + source + "' >/dev/full 2>/dev/null";
+    EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 3) << command;
+  }
+}
+
 TEST_F(BadInput, OutputOverTheInput) {
   const std::filesystem::path source = write("sheet.glb", sheet());
   expectRefused(run({"cook", source, "-o", source}), 2, source);

@@ -84,6 +84,12 @@ TEST_F(BindTool, AStrangerIsRefusedWithItsCounts) {
   expectNothingLeft();
 }
 
+TEST_F(BindTool, TheListOfPointsReplacesNoInput) {
+  for (const std::filesystem::path& input : {asset, mesh})
+    expectRefused(run({"bind", asset, mesh, "-o", input}), 2, input);
+  EXPECT_EQ(run({"bind", asset, mesh}).status, 0);
+}
+
 TEST_F(BindTool, WrongOptionsAreBadUsage) {
   const std::vector<std::vector<std::string>> wrong = {
       {"--matrix", "1", "0", "0", "0", "0", "2", "0", "0", "0", "0", "1", "0"},

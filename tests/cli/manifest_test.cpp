@@ -184,21 +184,24 @@ TEST_F(Manifest, TheCacheServesOtherFoldersAndSingleCooks) {
 TEST_F(Manifest, ADamagedCacheIsCookedAnew) {
   ASSERT_EQ(cook().status, 0);
   const std::string right = readText(two);
-  const auto forEachEntry = [&](const auto& change) {
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
-      if (entry.is_regular_file()) {
-        std::string bytes = readText(entry.path());
-        change(bytes);
-        std::ofstream(entry.path(), std::ios::binary) << bytes;
-      }
+  const auto rewritten = [](const auto& change) {
+    return [change](const std::filesystem::path& entry) {
+      std::string bytes = readText(entry);
+      change(bytes);
+      std::ofstream(entry, std::ios::binary) << bytes;
+    };
   };
-  const std::vector<std::function<void(std::string&)>> damages = {
-      [](std::string& bytes) { bytes[bytes.size() - 9] ^= 1; },  // in the asset
-      [](std::string& bytes) { bytes[9] ^= 1; },                 // in the lengths
-      [](std::string& bytes) { bytes.resize(bytes.size() / 2); }, [](std::string& bytes) { bytes.clear(); },
-      [](std::string& bytes) { bytes += '\0'; }};
+  const std::vector<std::function<void(const std::filesystem::path&)>> damages = {
+      rewritten([](std::string& bytes) { bytes[bytes.size() - 9] ^= 1; }),  // in the asset
+      rewritten([](std::string& bytes) { bytes[9] ^= 1; }),                 // in the lengths
+      rewritten([](std::string& bytes) { bytes[23] ^= 1; }),
+      rewritten([](std::string& bytes) { bytes.resize(bytes.size() / 2); }),
+      rewritten([](std::string& bytes) { bytes.clear(); }),
+      rewritten([](std::string& bytes) { bytes += '\0'; }),
+      [](const std::filesystem::path& entry) { std::filesystem::resize_file(entry, uintmax_t{1} << 42); }};
   for (const auto& damage : damages) {
-    forEachEntry(damage);
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
+      if (entry.is_regular_file()) damage(entry.path());
     std::filesystem::remove(two);
     EXPECT_EQ(summary(cook()), "furrow: " + manifest.string() + ": 2 cooked");
     EXPECT_TRUE(readText(two) == right);

@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "pipeline/error.h"
 #include "tests/unit/gltf_builder.h"
 
 namespace {
@@ -185,6 +186,23 @@ TEST_P(OutputFile, APipeIsWrittenTo) {
   reader.join();
   EXPECT_EQ(read, text);
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_P(OutputFile, ALinkToNothingYetStaysALink) {
+  const std::filesystem::path first = folder() / "first", second = folder() / "second";
+  std::filesystem::create_symlink("second", first);
+  std::filesystem::create_symlink(file().filename(), second);
+  writeFile(first, of(1));
+  EXPECT_TRUE(std::filesystem::is_symlink(first) && std::filesystem::is_symlink(second));
+  EXPECT_TRUE(isWhole());
+
+  for (const char* nowhere : {"missing/asset.furrow", "lost"}) {
+    const std::filesystem::path lost = folder() / "lost";
+    std::filesystem::remove(lost);
+    std::filesystem::create_symlink(nowhere, lost);
+    EXPECT_THROW(writeFile(lost, of(1)), Error) << nowhere;
+    EXPECT_TRUE(std::filesystem::is_symlink(lost)) << nowhere;
+  }
 }
 
 TEST_P(OutputFile, ALinkStaysALink) {
