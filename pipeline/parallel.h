@@ -8,13 +8,14 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace furrow::pipeline {
 
-// run(i) for every i below `count`, on up to `threads` threads, this one among them. Of the exceptions that
-// are thrown, that of the lowest i is passed on.
+// run(i) for every i below `count`, on up to `threads` threads, this one among them, or as many as the system
+// gives. Of the exceptions that are thrown, that of the lowest i is passed on.
 template <class Run>
 void parallelFor(uint32_t count, uint32_t threads, const Run& run) {
   std::atomic<uint32_t> next = 0;
@@ -36,8 +37,9 @@ void parallelFor(uint32_t count, uint32_t threads, const Run& run) {
   };
   {
     std::vector<std::jthread> others;
-    for (uint32_t i = 1; i < std::min(threads, count); ++i) {
-      others.emplace_back(work);
+    try {
+      for (uint32_t i = 1; i < std::min(threads, count); ++i) others.emplace_back(work);
+    } catch (const std::system_error&) {
     }
     work();
   }

@@ -94,7 +94,7 @@ void writeSettings(const std::filesystem::path& file, const Settings& settings) 
   to["folder"] = text(settings.folder);
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);
-  const std::string written = to.dump(2) + '\n';
+  const std::string written = to.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
   pipeline::writeFile(file, std::as_bytes(std::span(written)));
 }
 

@@ -47,10 +47,9 @@ std::string fileKey(const std::filesystem::path& file) {
 
 // Of this program, so that builds of one version that differ do not take each other's assets.
 const std::string& toolKey() {
-  static const std::string key =
-      contentKey(contentKey(FURROW_VERSION) + contentKey(std::to_string(kFormatVersion)) +
-                 fileKey(std::filesystem::read_symlink("/proc/self/exe")) +
-                 (std::filesystem::exists(imageModuleFile()) ? fileKey(imageModuleFile()) : std::string()));
+  static const std::string key = contentKey(
+      contentKey(FURROW_VERSION) + contentKey(std::to_string(kFormatVersion)) + fileKey("/proc/self/exe") +
+      (std::filesystem::exists(imageModuleFile()) ? fileKey(imageModuleFile()) : std::string()));
   return key;
 }
 

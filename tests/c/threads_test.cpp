@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <latch>
 #include <thread>
 
 #include "host.h"
@@ -177,6 +178,7 @@ void testReloadUnderRunningInstances(const std::vector<char>& a, const std::vect
   }
   std::atomic<int> reloads = 0;
   std::atomic<bool> all_loaded = false;
+  std::latch all_run(kThreads);  // however late they start, the assets are loaded under them
   {
     std::vector<std::jthread> threads;
     for (int t = 0; t < kThreads; ++t)
@@ -185,6 +187,7 @@ void testReloadUnderRunningInstances(const std::vector<char>& a, const std::vect
         FurrowAsset* asset = slot.get();
         for (int i = 0; i < kInstances; ++i)
           instances.push_back(makeInstance(asset, i == 1 ? FURROW_USE_EASE : 0));
+        all_run.count_down();
         for (bool last = false; !last;) {
           last = all_loaded;
           FurrowAsset* newest = slot.get();
@@ -206,6 +209,7 @@ void testReloadUnderRunningInstances(const std::vector<char>& a, const std::vect
         furrow_asset_release(asset);
       });
     threads.emplace_back([&] {
+      all_run.wait();
       for (int i = 0; i < kLoads; ++i) slot.put(loadAsset(context, i % 2 ? a : b));
       all_loaded = true;
     });

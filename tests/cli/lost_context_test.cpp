@@ -28,7 +28,7 @@ class LostContext : public ToolTest {
 
   Outcome losing(const char* losses, const std::vector<std::string>& command) const {
     setenv("FURROW_LOSSES", losses, 1);
-    setenv("LD_PRELOAD", FURROW_LOSE_CONTEXT, 1);
+    setenv("LD_PRELOAD", preloaded(FURROW_LOSE_CONTEXT).c_str(), 1);
     const Outcome outcome = run(command);
     unsetenv("LD_PRELOAD");
     return outcome;

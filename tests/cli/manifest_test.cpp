@@ -2,6 +2,7 @@
 
 #include <signal.h>
 
+#include "tests/cli/sheet.h"
 #include "tests/cli/tool.h"
 
 namespace furrow::test {
@@ -132,6 +133,9 @@ TEST_F(Manifest, OutlivesACookThatIsKilled) {
   const auto children = [](const std::string& pid) { return "/proc/" + pid + "/task/" + pid + "/children"; };
   if (!std::filesystem::exists(children(std::to_string(::getpid()))))
     GTEST_SKIP() << "the system does not tell whose children processes are";
+  write("art/one.obj", foldedSheet());  // it takes its time
+  write("art/plain.json",
+        R"({"mapSize": 2048, "layers": [{"name": "a", "direction": {"axis": [1, 0, 0]}}]})");
   const pid_t parent = start({"cook", "--manifest", manifest, "--no-cache", "-j", "1"}, FURROW_TOOL,
                              "/dev/null", folder() / "lines");
   ASSERT_GT(parent, 0);
@@ -179,6 +183,19 @@ TEST_F(Manifest, TheCacheServesOtherFoldersAndSingleCooks) {
   EXPECT_NE(outcome.err.find("single.furrow: from the cache, "), std::string::npos) << outcome.err;
   EXPECT_TRUE(readText(single) == readText(two));
   EXPECT_NE(readText(depfile).find("map.pgm"), std::string::npos);
+}
+
+// As when it is built anew meanwhile.
+TEST_F(Manifest, AToolThatIsRemovedWhileItRunsStillKnowsItsCache) {
+  const std::filesystem::path tool = folder() / "furrow";
+  std::filesystem::copy_file(FURROW_TOOL, tool);
+  const Outcome outcome =
+      run({"-c", "exec 3<'" + tool.string() + "'; rm '" + tool.string() + "'; exec /proc/self/fd/3 cook '" +
+                     (folder() / "art/one.obj").string() + "' -o '" + two.string() + "' --cache '" +
+                     cache.string() + "' --quiet"},
+          "/bin/sh");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
 }
 
 TEST_F(Manifest, ADamagedCacheIsCookedAnew) {

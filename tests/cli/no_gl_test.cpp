@@ -16,7 +16,7 @@ class NoGl : public ToolTest {
     if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
     asset_ = folder() / "sleeve.furrow";
     setenv("FURROW_HIDDEN", log().c_str(), 1);
-    setenv("LD_PRELOAD", FURROW_HIDE_GL, 1);
+    setenv("LD_PRELOAD", preloaded(FURROW_HIDE_GL).c_str(), 1);
     const Outcome cooked =
         run({"cook", std::string(FURROW_CONTENT) + "/sleeve.glb", "-o", asset_, "--quiet"});
     ASSERT_EQ(cooked.status, 0) << cooked.err;

@@ -136,7 +136,7 @@ TEST_F(EditorTest, ARealWindowShowsTheSame) {
 TEST_F(EditorTest, ALostContextIsReplacedAndTheSessionGoesOn) {
   if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
   const std::string script = sheet() + "expect message \"the OpenGL context was lost\"\n" + kLooks;
-  const std::string losing = "FURROW_LOSSES=2 LD_PRELOAD='" FURROW_LOSE_CONTEXT "'";
+  const std::string losing = "FURROW_LOSSES=2 LD_PRELOAD='" + preloaded(FURROW_LOSE_CONTEXT) + "'";
   const auto expectTheSession = [&](const Outcome& outcome) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     expectStored("squeezed");
@@ -152,10 +152,9 @@ TEST_F(EditorTest, ALostContextIsReplacedAndTheSessionGoesOn) {
 TEST_F(EditorTest, ATierThatWasLostCanBeTriedAgain) {
   if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer's library has to be preloaded first";
   const auto playLosing = [&](const std::string& script) {
-    return run({"-c", "exec env FURROW_LOSSES=1 LD_PRELOAD='" FURROW_LOSE_CONTEXT "' '" FURROW_EDITOR
-                      "' --script '" +
-                          write("script.txt", script).string() + "' --frames '" + output().string() +
-                          "' --size 1024x640 --backend gpu-raster"},
+    return run({"-c", "exec env FURROW_LOSSES=1 LD_PRELOAD='" + preloaded(FURROW_LOSE_CONTEXT) +
+                          "' '" FURROW_EDITOR "' --script '" + write("script.txt", script).string() +
+                          "' --frames '" + output().string() + "' --size 1024x640 --backend gpu-raster"},
                "/bin/sh");
   };
   const std::string again = sheet() + "expect widget status.retry\nclick status.retry\nexpect no error\n";

@@ -928,6 +928,9 @@ TEST_F(SessionTest, SettingsComeBackAndDamagedOnesAreTheDefaults) {
   EXPECT_EQ(read.scale, 1.5f);
   EXPECT_EQ(read.tier, "cpu");
   EXPECT_FALSE(read.show_right);
+  settings.opened("/models/\xfc.glb");  // no UTF-8
+  writeSettings(file, settings);
+  EXPECT_EQ(readSettings(file).recent[1], "/models/9.glb");
   EXPECT_EQ(readSettings(folder() / "none.json").width, Settings().width);
   EXPECT_EQ(readSettings(write("small.json", R"({"width": 320})")).width, Settings().width);
   EXPECT_EQ(readSettings(write("bad.json", "{ \"width\": ")).width, Settings().width);
