@@ -12,6 +12,15 @@ namespace fs = std::filesystem;
 
 const std::string kNothing;
 
+// Where a layer names an image that can be painted.
+std::vector<fs::path*> imagesOf(pipeline::LayerRecipe& layer) {
+  std::vector<fs::path*> files;
+  if (auto* mask = std::get_if<pipeline::MaskTexture>(&layer.mask)) files.push_back(&mask->texture);
+  if (auto* flow = std::get_if<pipeline::DirectionTexture>(&layer.direction)) files.push_back(&flow->texture);
+  if (layer.bias) files.push_back(&layer.bias->texture);
+  return files;
+}
+
 // The images painted for recipe `from`, named for recipe `to`.
 Content movedBeside(Content content, const fs::path& from, const fs::path& to) {
   std::map<fs::path, fs::path> moved;
@@ -24,14 +33,9 @@ Content movedBeside(Content content, const fs::path& from, const fs::path& to) {
   pipeline::Images images;
   for (const auto& [file, image] : content.images) images[moved[file]] = image;
   content.images = std::move(images);
-  for (pipeline::LayerRecipe& layer : content.recipe.layers) {
-    const auto rename = [&](fs::path& file) {
-      if (const auto found = moved.find(file); found != moved.end()) file = found->second;
-    };
-    if (auto* mask = std::get_if<pipeline::MaskTexture>(&layer.mask)) rename(mask->texture);
-    if (auto* flow = std::get_if<pipeline::DirectionTexture>(&layer.direction)) rename(flow->texture);
-    if (layer.bias) rename(layer.bias->texture);
-  }
+  for (pipeline::LayerRecipe& layer : content.recipe.layers)
+    for (fs::path* file : imagesOf(layer))
+      if (const auto found = moved.find(*file); found != moved.end()) *file = found->second;
   return content;
 }
 
@@ -100,12 +104,13 @@ size_t Document::historyBytes() const {
 void Document::save(const fs::path& file) {
   const bool elsewhere = file != file_ && !content_.images.empty();
   Content next = elsewhere ? movedBeside(content_, file_, file) : content_;
-  for (const auto& [path, image] : next.images) {
-    const auto written = written_.find(path);
-    if (written != written_.end() && written->second == image) continue;
-    pipeline::writeImage(path, pipeline::toFloats(*image));
-    written_[path] = image;
-  }
+  for (pipeline::LayerRecipe& layer : next.recipe.layers)
+    for (const fs::path* path : imagesOf(layer)) {
+      const auto image = next.images.find(*path);
+      if (image == next.images.end() || written_[*path] == image->second) continue;
+      pipeline::writeImage(*path, pipeline::toFloats(*image->second));
+      written_[*path] = image->second;
+    }
   const std::string text = pipeline::recipeText(next.recipe, file);
   pipeline::writeFile(file, std::as_bytes(std::span(text)));
   if (elsewhere) {
@@ -122,6 +127,7 @@ void Document::save(const fs::path& file) {
 void Document::reloaded(Content content) {
   pushUndo(stepBack("change on disk", content));
   content_ = std::move(content);
+  std::erase_if(written_, [this](const auto& entry) { return !content_.images.contains(entry.first); });
   saved_ = revision_ = ++newest_;
   gesture_ = false;
 }

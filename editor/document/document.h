@@ -46,14 +46,15 @@ class Document {
 
   size_t historyBytes() const;  // of the images that undo() and redo() need
 
-  // Writes the images that changed since they were read or saved, then the recipe, to `file`: each appears
-  // whole or not at all, and the recipe last, so that it never names an image that is not there. Throws
-  // pipeline::Error (kEnvironment); the document then stays as it was and stays dirty. Under another name the
-  // images painted here go with the recipe, into its folder and under its name, and those of the old one stay
-  // as they are; that is an edit, which can be undone.
+  // Writes the images of layers that changed since they were read or saved, then the recipe, to `file`: each
+  // appears whole or not at all, and the recipe last, so that it never names an image that is not there.
+  // Throws pipeline::Error (kEnvironment); the document then stays as it was and stays dirty. Under another
+  // name the images painted here go with the recipe, into its folder and under its name, and those of the old
+  // one stay as they are; that is an edit, which can be undone.
   void save(const std::filesystem::path& file);
-  // The next save writes every image, whatever lies on disk.
+  // The next save writes every image, or this one, whatever lies on disk.
   void overwrite() { written_.clear(); }
+  void overwrite(const std::filesystem::path& image) { written_.erase(image); }
   // What lies on disk was read anew and becomes the content, as an edit that needs no saving.
   void reloaded(Content content);
 

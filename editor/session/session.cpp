@@ -1,6 +1,7 @@
 #include "editor/session/session.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "pipeline/error.h"
 
@@ -9,7 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLookEvery = 0.1;  // seconds
+constexpr double kLookEvery = 0.1;    // seconds
+constexpr double kHalfWritten = 0.3;  // that a file may stay without a change of its size or time
 constexpr size_t kMostMessages = 500;
 constexpr const char* kSourceKinds[] = {".glb", ".gltf", ".obj", ".ply", ".stl", ".off"};
 
@@ -116,6 +118,9 @@ void Session::close() {
   warned_.clear();
   error_.clear();
   recipe_error_.clear();
+  error_doubt_.clear();
+  recipe_doubt_.clear();
+  since_change_ = kHalfWritten;
   dependencies_.clear();
   editable_ = conflict_ = reread_ = false;
   document = Document();
@@ -126,6 +131,7 @@ void Session::close() {
 void Session::request() {
   asked_ = withoutResponses(document.content());
   wanted_ = ++number_;
+  error_doubt_.clear();
   worker_.request({source_, document.content(), wanted_, true, {}});
 }
 
@@ -134,16 +140,27 @@ void Session::update(double seconds) {
   takeResults();
   if (source_.empty()) return;
   since_look_ += seconds;
+  since_change_ += seconds;
   if (since_look_ >= kLookEvery) {
     since_look_ = 0.0;
     lookAtFiles();
   }
+  if (since_change_ >= kHalfWritten) believe();
   if (editable_ && (reread_ || !same(asked_, withoutResponses(document.content())))) {
     reread_ = false;
     request();
     watchFiles();
   }
   if (shown_) player.advance(shown_->loaded->rig, seconds);
+}
+
+void Session::believe() {
+  for (const auto& [doubt, error] :
+       {std::pair(&recipe_doubt_, &recipe_error_), std::pair(&error_doubt_, &error_)}) {
+    if (doubt->empty()) continue;
+    *error = std::exchange(*doubt, {});
+    tell(Message::Kind::kError, *error);
+  }
 }
 
 void Session::takeResults() {
@@ -159,16 +176,17 @@ void Session::takeResults() {
     }
     if (result->revision < wanted_ && !(result->draft && result->asset)) continue;  // a newer one is coming
     watch_.watchSince(result->read);
-    if (result->revision == wanted_) error_ = result->error;
     if (!result->asset) {
-      if (result->revision == wanted_) tell(Message::Kind::kError, result->error);
+      if (result->revision == wanted_) error_doubt_ = result->error;
       if (dependencies_.empty())
         for (const auto& [file, state] : result->read) dependencies_.push_back(file);
       watchFiles();
       continue;
     }
+    if (result->revision == wanted_) error_.clear();
     const bool first = !shown_;
     shown_ = std::make_shared<Shown>(result->asset);
+    shown_number_ = result->revision;
     if (first && !result->asset->rig.clips.empty()) player.clip = clipKey(result->asset->rig, 0);
     for (const std::string& warning : result->report.warnings)
       if (warned_.insert(warning).second) tell(Message::Kind::kWarning, source_.string() + ": " + warning);
@@ -196,13 +214,17 @@ void Session::watchFiles() {
 
 void Session::lookAtFiles() {
   for (const fs::path& file : watch_.changed()) {
-    if (file == document.file()) {
-      if (!isFile(file)) continue;
+    since_change_ = 0.0;
+    const bool painted = document.content().images.contains(file);
+    if ((file == document.file() || painted) && !isFile(file)) {
+      document.overwrite(file);
+      tell(Message::Kind::kWarning, file.string() + ": it was removed: save the recipe to have it back");
+    } else if (file == document.file()) {
       if (document.dirty())
         conflict_ = true;
       else
         reload();
-    } else if (document.content().images.contains(file)) {
+    } else if (painted) {
       // Painted here and saved: what another program makes of it is what counts from now on.
       if (document.dirty()) {
         conflict_ = true;
@@ -222,19 +244,20 @@ void Session::lookAtFiles() {
 
 void Session::reload() {
   conflict_ = false;
+  recipe_doubt_.clear();
   try {
     document.reloaded({pipeline::readRecipe(document.file()), {}});
     recipe_error_.clear();
     tell(Message::Kind::kNote, document.file().string() + ": changed on disk and read again");
   } catch (const pipeline::Error& error) {
-    recipe_error_ = error.what();
-    tell(Message::Kind::kError, error.what());
+    recipe_doubt_ = error.what();
   }
 }
 
 void Session::keep() {
   conflict_ = false;
   recipe_error_.clear();
+  recipe_doubt_.clear();
   document.overwrite();
 }
 
@@ -251,6 +274,7 @@ std::vector<Response> Session::responses(const Shown& of) const {
 
 void Session::save(const fs::path& recipe) {
   if (!editable_) return;
+  believe();
   // What somebody wrote there and mistyped is not replaced unasked.
   if (!recipe_error_.empty() && whole(recipe) == document.file()) {
     conflict_ = true;

@@ -47,6 +47,9 @@ class Session {
 
   // The last asset that was cooked without a fault; null before the first.
   const std::shared_ptr<Shown>& shown() const { return shown_; }
+  bool current() const {
+    return shown_number_ == wanted_;
+  }  // shown() has all that was asked for, or its draft
   const pipeline::Recipe& resolved() const { return resolved_; }  // of shown(), all worked out
   const pipeline::CookReport& report() const { return report_; }
   bool cooking() const { return worker_.busy() || comparer_.busy(); }
@@ -85,6 +88,7 @@ class Session {
   void takeResults();
   void lookAtFiles();
   void watchFiles();
+  void believe();  // in the faults that are doubted
 
   std::filesystem::path source_, compared_;
   bool editable_ = false, conflict_ = false, reread_ = false;
@@ -92,14 +96,16 @@ class Session {
   pipeline::Recipe resolved_;
   pipeline::CookReport report_;
   std::string error_, recipe_error_;  // error_: of the last cook
+  // The same just after a file changed: it may be half a file, and more to come.
+  std::string error_doubt_, recipe_doubt_;
   std::vector<Message> messages_;
   uint64_t told_ = 0;
   std::set<std::string> warned_;  // warnings that were told
   std::vector<std::filesystem::path> dependencies_;
   FileWatch watch_;
-  double since_look_ = 0.0;
-  uint64_t number_ = 0, wanted_ = 0;  // of requests
-  Content asked_;                     // what the last request was for
+  double since_look_ = 0.0, since_change_ = 0.0;
+  uint64_t number_ = 0, wanted_ = 0, shown_number_ = 0;  // of requests
+  Content asked_;                                        // what the last request was for
   CookWorker worker_, comparer_;
 };
 

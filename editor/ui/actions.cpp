@@ -19,6 +19,11 @@ constexpr std::pair<int, const char*> kNamed[] = {
     {key::kUp, "Up"},         {key::kHome, "Home"},         {key::kEnd, "End"},
     {key::kPageUp, "PageUp"}, {key::kPageDown, "PageDown"}, {key::kF1, "F1"}};
 
+std::string tipOf(const Action& action) {
+  const std::string on = action.on ? action.on() : std::string();
+  return on.empty() ? action.tip : action.tip + (": " + on);
+}
+
 }  // namespace
 
 std::string chordText(const Chord& chord) {
@@ -81,7 +86,7 @@ void drawMenus(const std::vector<Action>& actions) {
                           action.enabled()))
         action.run();
       mark(action.id);
-      tooltip(action.tip);
+      tooltip(tipOf(action).c_str());
     }
     ImGui::EndMenu();
   }
@@ -117,7 +122,7 @@ void runKeys(const std::vector<Action>& actions, const Action*& waiting) {
 void actionButton(const std::vector<Action>& actions, const char* id, const char* label) {
   for (const Action& action : actions) {
     if (std::string(action.id) != id) continue;
-    std::string tip = action.tip;
+    std::string tip = tipOf(action);
     if (action.chord.key != 0) tip += "  (" + chordText(action.chord) + ")";
     const std::string name = std::string("tool.") + id;
     if (toggle(name.c_str(), label, action.checked && action.checked(), tip.c_str(), action.enabled()))

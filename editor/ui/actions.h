@@ -32,9 +32,10 @@ struct Action {
   const char* tip = "";
   std::function<void()> run = {};
   std::function<bool()> enabled = [] { return true; };
-  std::function<bool()> checked = {};  // of a switch
-  bool separated = false;              // a line above it in the menu
-  std::function<void()> submenu = {};  // draws the items of a menu of its own; `run` is not used
+  std::function<bool()> checked = {};    // of a switch
+  bool separated = false;                // a line above it in the menu
+  std::function<std::string()> on = {};  // what it would act on now, for the tooltip
+  std::function<void()> submenu = {};    // draws the items of a menu of its own; `run` is not used
 };
 
 // Menus of the main bar, in order, and what the keys ask for. While text is typed, letters and the keys that

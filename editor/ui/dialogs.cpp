@@ -285,9 +285,8 @@ void drawProblems(State& state) {
   }
   if (messages.empty()) ImGui::TextDisabled("Nothing to tell");
   ImGui::PopTextWrapPos();
-  static size_t told = 0;
-  if (told != messages.size()) ImGui::SetScrollHereY(1.0f);
-  told = messages.size();
+  static uint64_t told = 0;
+  if (std::exchange(told, state.session.told()) != state.session.told()) ImGui::SetScrollHereY(1.0f);
   ImGui::EndChild();
 }
 

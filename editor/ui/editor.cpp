@@ -19,7 +19,8 @@ constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowF
                                     ImGuiWindowFlags_NoSavedSettings |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus |
                                     ImGuiWindowFlags_NoFocusOnAppearing;  // what is dragged or typed goes on
-constexpr float kGroupWidths[] = {7.4f, 3.6f, 16.2f, 11.0f, 25.0f};  // of the toolbar, em, in the first frame
+constexpr float kGroupWidths[] = {7.4f, 3.6f, 16.2f, 11.0f, 30.0f};  // of the toolbar, em, in the first frame
+constexpr float kBesideLooks = 11.0f;   // em of the toolbar that the combos of both sides leave
 constexpr float kLeastMessage = 12.0f;  // em in the status line, at the cost of the times
 constexpr float kMostOfScreen = 0.32f;  // that a panel takes of the width: the view keeps a third
 const std::vector<std::string> kImages = {".png", ".tif", ".tiff", ".exr", ".tga", ".jpg", ".jpeg", ".webp"};
@@ -76,6 +77,7 @@ void Editor::open(const fs::path& file) {
     state_.looks[0].view = 0;
     state_.camera = {};
     viewport_.release();
+    selected_ = 0;
     keepSelection();
   };
 }
@@ -110,11 +112,14 @@ std::string Editor::title() const {
   return session.source().filename().string() + (session.document.dirty() ? " *" : "") + " - furrow";
 }
 
-// The selected layer is one that there is.
+// The selected layer is one that there is: where it goes by another name after an undo, the one in its place.
 void Editor::keepSelection() {
   if (state_.session.editable()) {
     const auto& layers = state_.session.document.recipe().layers;
-    if (state_.documentLayer() == pipeline::kNoIndex && !layers.empty()) state_.layer = layers.front().name;
+    if (layers.empty()) return;
+    if (state_.documentLayer() == pipeline::kNoIndex)
+      state_.layer = layers[std::min(selected_, layers.size() - 1)].name;
+    selected_ = state_.documentLayer();
   } else if (state_.session.shown() && state_.assetLayer(*state_.session.shown()) == pipeline::kNoIndex &&
              state_.session.shown()->view().layerCount() > 0) {
     state_.layer = state_.session.shown()->view().layers.front().name;
@@ -269,16 +274,26 @@ void Editor::drawToolbar() {
   group(true, [&] { drawLooks(); });
 }
 
-// What each side of the picture shows.
+// What each side of the picture shows, in combos as wide as their longest text where there is room.
 void Editor::drawLooks() {
-  for (int side = 0; side < (state_.split ? 2 : 1); ++side) {
+  constexpr const char* kTiers[] = {"auto", "gpu", "gpu-raster", "cpu"};
+  const auto widthOf = [](std::span<const char* const> names) {
+    float widest = 0.0f;
+    for (const char* text : names) widest = std::max(widest, ImGui::CalcTextSize(text).x);
+    return widest + 2.0f * ImGui::GetStyle().FramePadding.x + ImGui::GetFrameHeight();
+  };
+  const int sides = state_.split ? 2 : 1;
+  const float wanted = static_cast<float>(sides) *
+                       (widthOf(kViewNames) + widthOf(kShadingNames) + widthOf(kTiers)),
+              room = std::min(1.0f, (ImGui::GetWindowWidth() - kBesideLooks * em()) / wanted);
+  for (int side = 0; side < sides; ++side) {
     Look& look = state_.looks[side];
     const std::string name = side == 0 ? "look" : "look2";
     if (side == 1) ImGui::SameLine(0.0f, 1.2f * em());
-    const auto combo = [&](const char* part, int& value, std::span<const char* const> names, float width,
+    const auto combo = [&](const char* part, int& value, std::span<const char* const> names,
                            const char* tip) {
       const std::string id = name + "." + part;
-      ImGui::SetNextItemWidth(width * em());
+      ImGui::SetNextItemWidth(room * widthOf(names));
       if (ImGui::BeginCombo(("##" + id).c_str(), names[static_cast<size_t>(value)])) {
         for (int i = 0; i < static_cast<int>(names.size()); ++i) {
           if (ImGui::Selectable(names[static_cast<size_t>(i)], i == value)) value = i;
@@ -290,18 +305,17 @@ void Editor::drawLooks() {
         tooltip(tip);
       }
     };
-    combo("view", look.view, kViewNames, 6.6f, "What the view shows  (1 to 9)");
+    combo("view", look.view, kViewNames, "What the view shows  (1 to 9)");
     ImGui::SameLine(0.0f, 3.0f);
     ImGui::BeginDisabled(look.view != 0);
-    combo("shading", look.shading, kShadingNames, 7.6f,
+    combo("shading", look.shading, kShadingNames,
           "How wrinkles are drawn: Larsson's three methods, or not at all");
     ImGui::EndDisabled();
     ImGui::SameLine(0.0f, 3.0f);
-    constexpr const char* kTiers[] = {"auto", "gpu", "gpu-raster", "cpu"};
     int tier = 0;
     for (int i = 0; i < 4; ++i)
       if (look.tier == kTiers[i]) tier = i;
-    combo("tier", tier, kTiers, 5.6f,
+    combo("tier", tier, kTiers,
           "What computes the weights: compute shaders, geometry shaders, the CPU, or the first of these that "
           "works");
     if (look.tier != kTiers[tier]) {

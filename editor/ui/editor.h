@@ -66,6 +66,7 @@ class Editor {
   std::optional<preview::PosedFrame> frame_;
   const Action* waiting_ = nullptr;  // for what is typed to be taken over
   uint64_t told_ = 0;                // messages already seen
+  size_t selected_ = 0;              // place of the selected layer in the recipe
   int tool_rows_ = 1;                // of the toolbar
   std::array<float, 5> group_widths_{};
 };

@@ -1,6 +1,7 @@
 #include "editor/ui/layer_panel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "editor/ui/character_section.h"
@@ -13,6 +14,8 @@ namespace furrow::editor::ui {
 namespace {
 
 using pipeline::LayerRecipe;
+
+constexpr float kListShare = 0.34f;  // of the panel's height, that the list of layers takes at most
 
 std::string unusedName(const pipeline::Recipe& recipe, const std::string& base) {
   for (int i = 1;; ++i) {
@@ -36,8 +39,11 @@ void moveLayer(Session& session, size_t from, size_t to) {
 void drawRows(State& state) {
   const pipeline::Recipe& recipe = state.session.document.recipe();
   const uint32_t selected = state.documentLayer();
-  const auto rows = static_cast<float>(std::clamp<size_t>(recipe.layers.size(), 3, 9));
   const float padding = 0.4f * em();
+  const float most =
+      std::max(kListShare * ImGui::GetWindowHeight() / ImGui::GetTextLineHeightWithSpacing(), 3.0f);
+  const float rows =
+      std::floor(std::clamp(static_cast<float>(recipe.layers.size()), 3.0f, std::min(most, 9.0f)));
   size_t dragged = recipe.layers.size();
   ImGui::PushStyleColor(ImGuiCol_ChildBg, IM_COL32(22, 23, 25, 255));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, padding});

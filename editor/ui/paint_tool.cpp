@@ -26,6 +26,12 @@ const char* nameOf(Painted kind) {
   return kind == Painted::kMask ? "mask" : kind == Painted::kDirection ? "direction" : "bias";
 }
 
+// Whether what is known of one asset's vertices holds for the other's, and one frame poses both.
+bool sameShape(const AssetView& a, const AssetView& b) {
+  return a.vertexCount() == b.vertexCount() && a.parts.size() == b.parts.size() &&
+         a.morphs.size() == b.morphs.size() && a.palette.size() == b.palette.size();
+}
+
 // Whether the mask ends nowhere on the surface that the layer lies on.
 bool isWhole(const pipeline::Mask& mask, const AssetView& asset, uint32_t layer) {
   if (std::holds_alternative<pipeline::MaskNone>(mask)) return true;
@@ -70,10 +76,33 @@ void PaintTool::forget() {
   curve_.reset();
 }
 
+// Takes what is shown now. A stroke or curve goes on over the surface that it began on, and what was painted
+// since a cook began stays in sight when it ends, unless the surface is another.
+void PaintTool::follow(Session& session) {
+  const bool drawing = stroke_ || curve_;
+  if (!drawing && image_) {
+    const pipeline::Images& images = session.document.content().images;
+    const auto found = images.find(file_);
+    if (found == images.end() || found->second != image_) unshow();  // it was undone
+  }
+  if (shown_ == session.shown()) return;
+  const std::shared_ptr<Shown> next = session.shown();
+  if (!shown_ || !next || !sameShape(shown_->view(), next->view())) {
+    forget();
+  } else if (drawing) {
+    return;
+  } else if (session.current()) {
+    unshow();
+  }
+  shown_ = next;
+  canvas_key_.clear();
+  guide_curves_.clear();
+  guide_hits_.clear();
+}
+
 bool PaintTool::fits(const AssetView& asset, const std::string& layer) const {
   return shown_ && layer == layer_ && (mask_ || !bias_.empty() || !directions_.empty()) &&
-         asset.vertexCount() == shown_->view().vertexCount() &&
-         asset.parts.size() == shown_->view().parts.size();
+         sameShape(asset, shown_->view());
 }
 
 void PaintTool::showPainted(const State& state) {
@@ -85,6 +114,7 @@ void PaintTool::showPainted(const State& state) {
 }
 
 void PaintTool::unshow() {
+  image_.reset();
   mask_.reset();
   bias_.clear();
   directions_.clear();
@@ -159,7 +189,8 @@ void PaintTool::finish(State& state) {
   const std::filesystem::path file =
       paintedFile(content, session.document.file(), static_cast<size_t>(found - layers.begin()), kind_);
   pipeline::LayerRecipe& layer = *found;
-  content.images[file] = std::make_shared<pipeline::ByteImage>(stroke->image());
+  file_ = file;
+  image_ = content.images[file] = std::make_shared<pipeline::ByteImage>(stroke->image());
   if (kind_ == Painted::kMask)
     layer.mask = pipeline::MaskTexture{file, 0};
   else if (kind_ == Painted::kDirection)
@@ -179,17 +210,10 @@ void PaintTool::finish(State& state) {
 
 bool PaintTool::use(State& state, const preview::PosedFrame& frame, const Projection& projection,
                     const Pen& pen) {
-  if (shown_ != state.session.shown()) {
-    const bool in_stroke = stroke_ != nullptr;
-    if (!in_stroke) {
-      forget();
-      shown_ = state.session.shown();
-    }
-  }
+  follow(state.session);
   if (!stroke_ && state.layer != layer_) unshow();
   if (state.tool == Tool::kLook) {
     if (stroke_) finish(state);
-    unshow();
     return false;
   }
   const ImGuiIO& io = ImGui::GetIO();

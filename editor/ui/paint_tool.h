@@ -38,6 +38,7 @@ class PaintTool {
   void forget();  // of the asset that is gone
 
  private:
+  void follow(Session& session);
   bool begin(State& state, Painted kind);
   void finish(State& state);
   void guide(State& state, const preview::PosedFrame& frame, const Projection& projection, const Pen& pen,
@@ -58,6 +59,9 @@ class PaintTool {
   std::vector<float> bias_;
   std::vector<glm::vec4> directions_, combed_;  // combed_: before the stroke
   uint64_t stroke_number_ = 0;
+  // The image that the last stroke left in the document.
+  std::filesystem::path file_;
+  std::shared_ptr<const pipeline::ByteImage> image_;
   std::optional<std::vector<std::array<double, 3>>> curve_;  // being drawn, rest
   std::vector<SurfaceHit> curve_hits_;
 

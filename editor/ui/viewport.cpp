@@ -309,13 +309,15 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
   const auto width = static_cast<uint32_t>(std::clamp(size.x * pixels.x, 1.0f, float{kLargestPicture})),
              height = static_cast<uint32_t>(std::clamp(size.y * pixels.y, 1.0f, float{kLargestPicture}));
-  const float middle = std::floor(low.x + size.x * state.divider);
-  for (int side = 0; side < (state.split ? 2 : 1); ++side) {
+  const float middle = state.split ? std::floor(low.x + size.x * state.divider) : high.x;
+  const int sides = state.split ? 2 : 1;
+  const auto lowOf = [&](int side) { return ImVec2(side == 0 ? low.x : middle, low.y); };
+  const auto highOf = [&](int side) { return ImVec2(side == 0 ? middle : high.x, high.y); };
+  for (int side = 0; side < sides; ++side) {
     const Look& look = state.looks[side];
     const std::shared_ptr<Shown>& of = shownOn(state, side);
     const bool compared = of != shown;
-    const ImVec2 from = {side == 1 ? middle : low.x, low.y},
-                 to = {state.split && side == 0 ? middle : high.x, high.y};
+    const ImVec2 from = lowOf(side), to = highOf(side);
     if (look.view == kUvView) {
       list->PushClipRect(from, to, true);
       drawUvLayout(state, *of, low, size);
@@ -344,17 +346,27 @@ void Viewport::draw(State& state, const preview::PosedFrame* frame) {
                              ImGuiButtonFlags_MouseButtonMiddle);
   ImGui::SetItemAllowOverlap();
   mark("viewport");
-  const bool hovered = ImGui::IsItemHovered();
   const Projection projection(state.camera, *frame, low, size);
   list->PushClipRect(low, high, true);
-  const bool taken = paint_->use(state, *frame, projection, penOf(state, low, size, hovered));
-  paint_->drawGuides(state, *frame, projection);
+  Pen pen = penOf(state, low, size, ImGui::IsItemHovered());
+  const bool on_surface = state.looks[pen.at.x < middle ? 0 : 1].view != kUvView;
+  pen.over = pen.over && on_surface;
+  const bool taken = paint_->use(state, *frame, projection, pen);
   list->PopClipRect();
-  if (!taken || ImGui::GetIO().KeyAlt || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
-      ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::GetIO().MouseWheel != 0.0f)
-    moveCamera(state, low, size, hovered);
+  for (int side = 0; side < sides; ++side) {
+    const int view = state.looks[side].view;
+    if (view == kUvView ||
+        (state.tool != Tool::kGuide && view != static_cast<int>(preview::View::kDirection)))
+      continue;
+    list->PushClipRect(lowOf(side), highOf(side), true);
+    paint_->drawGuides(state, *frame, projection);
+    list->PopClipRect();
+  }
+  if (on_surface && (!taken || ImGui::GetIO().KeyAlt || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
+                     ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::GetIO().MouseWheel != 0.0f))
+    moveCamera(state, low, size, ImGui::IsItemHovered());
   drawLabels(state, low, high);
-  drawHint(state, low, high);
+  if (state.split || on_surface) drawHint(state, low, high);
 }
 
 Pen Viewport::penOf(const State& state, ImVec2 low, ImVec2 size, bool hovered) {

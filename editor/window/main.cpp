@@ -29,7 +29,8 @@ using pipeline::Exit;
 static_assert(ui::key::kEscape == GLFW_KEY_ESCAPE && ui::key::kPageDown == GLFW_KEY_PAGE_DOWN &&
               ui::key::kF1 == GLFW_KEY_F1 && ui::key::kSpace == GLFW_KEY_SPACE);
 
-constexpr double kIdle = 0.1;  // seconds between frames where nothing happens
+constexpr double kIdle = 0.1;          // seconds between frames where nothing happens
+constexpr double kFrame = 1.0 / 60.0;  // the least between others, also where the screen sets no pace
 
 struct Options {
   std::string file, recipe, script, frames = ".", size, tier;
@@ -320,10 +321,11 @@ void runWindow(const Options& options, Settings& settings) {
   double before = glfwGetTime();
   std::string title;
   while (!editor.quit()) {
-    if (editor.busy() || desktop.window().pending())
-      glfwPollEvents();
+    const double rest = editor.busy() ? before + kFrame - glfwGetTime() : kIdle;
+    if (rest > 0.0 && !desktop.window().pending())
+      glfwWaitEventsTimeout(rest);
     else
-      glfwWaitEventsTimeout(kIdle);
+      glfwPollEvents();
     GLFWwindow* handle = desktop.window().handle();
     if (glfwWindowShouldClose(handle)) {
       glfwSetWindowShouldClose(handle, GLFW_FALSE);

@@ -584,6 +584,35 @@ expect no error
 )");
 }
 
+TEST_F(EditorTest, UndoOfANameKeepsTheLayerSelected) {
+  expectPlays(sheet() + R"(
+click layer.select.other
+click layer.name
+key Ctrl+A
+type brow
+key Enter
+expect layers lines brow
+key Ctrl+Z
+expect layers lines other
+click layer.remove
+expect layers lines
+)");
+}
+
+TEST_F(EditorTest, NothingIsPaintedThroughTheUvLayout) {
+  expectPlays(sheet() + R"(
+key B
+key 9
+drag viewport 0.4 0.5 0.6 0.5
+expect saved
+key W
+drag viewport 0.1 0.5 0.3 0.5
+expect saved
+drag viewport 0.55 0.5 0.65 0.5
+expect dirty
+)");
+}
+
 TEST_F(EditorTest, ImagesAreChosenForMapsMasksAndBias) {
   Image normals{64, 64, 3, {}}, heights{64, 64, 1, {}};
   for (uint32_t y = 0; y < 64; ++y)

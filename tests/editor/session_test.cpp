@@ -18,6 +18,7 @@
 #include "editor/ui/script.h"
 #include "editor/ui/uv_view.h"
 #include "editor/ui/viewport.h"
+#include "editor/ui/widgets.h"
 #include "furrow/jobs.h"
 #include "pipeline/error.h"
 #include "tests/editor/editor_models.h"
@@ -453,6 +454,94 @@ TEST_F(SessionTest, APaintedImageThatChangesOnDiskIsAskedAboutWhileThereAreEdits
   EXPECT_EQ(pipeline::readByteImage(image).pixels[0], 51);
 }
 
+// A session with a sheet of which a bias was painted and saved.
+class PaintedFile : public SessionTest {
+ protected:
+  static pipeline::Image filled(float value) { return {8, 8, 1, std::vector<float>(64, value)}; }
+  void SetUp() override {
+    write("sheet.json", kEditorRecipe);
+    image_ = folder() / "sheet_lines_bias.png";
+    session_.open(write("sheet.glb", editorSheet()));
+    settle(session_);
+    Content content = session_.document.content();
+    content.recipe.layers[0].bias = pipeline::Bias{{}, 0, 0.5, image_};
+    content.images[image_] = std::make_shared<pipeline::ByteImage>(pipeline::toBytes(filled(1.0f)));
+    session_.document.apply(std::move(content), "Paint bias");
+    session_.save(session_.document.file());
+    settle(session_);
+  }
+
+  fs::path image_;
+  Session session_;
+};
+
+TEST_F(PaintedFile, WhatUndoBringsBackAfterAChangeOnDiskIsSaved) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  pipeline::writeImage(image_, filled(0.2f));
+  settle(session_);
+  ASSERT_TRUE(session_.document.content().images.empty());
+  session_.document.undo();
+  session_.save(session_.document.file());
+  EXPECT_EQ(pipeline::readByteImage(image_).pixels[0], 255);
+}
+
+TEST_F(PaintedFile, FilesThatAreRemovedAreToldAndWrittenAgainWithTheNextSave) {
+  fs::remove(image_);
+  fs::remove(session_.document.file());
+  settle(session_);
+  EXPECT_EQ(session_.error(), "");
+  EXPECT_TRUE(told(session_, "sheet_lines_bias.png: it was removed"));
+  EXPECT_TRUE(told(session_, "sheet.json: it was removed"));
+  session_.save(session_.document.file());
+  EXPECT_EQ(pipeline::readByteImage(image_).pixels[0], 255);
+  EXPECT_EQ(pipeline::readRecipe(session_.document.file()).layers[0].bias->texture, image_);
+}
+
+TEST_F(PaintedFile, ImagesThatNoLayerNamesAreNotWritten) {
+  fs::remove(image_);
+  settle(session_);
+  edit(session_, "Rest bias", [](pipeline::Recipe& recipe) { recipe.layers[0].bias.reset(); });
+  session_.save(session_.document.file());
+  EXPECT_FALSE(fs::exists(image_));
+  session_.document.undo();
+  session_.save(session_.document.file());
+  EXPECT_TRUE(fs::exists(image_));
+}
+
+// Another program writes a file piece by piece.
+TEST_F(SessionTest, HalfAFileIsNoFaultWhileMoreOfItComes) {
+  const std::string mesh = editorSheet(), recipe = kEditorRecipe;
+  Session session;
+  write("sheet.json", recipe);
+  session.open(write("sheet.glb", mesh));
+  settle(session);
+  const auto soon = [&] {
+    session.update(0.1);
+    while (session.cooking()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      session.update(0.0);
+    }
+  };
+  const uint64_t before = session.told();
+  for (const std::string name : {"sheet.glb", "sheet.json"}) {
+    const std::string& whole = name == "sheet.glb" ? mesh : recipe;
+    for (const size_t part : {3, 2}) {
+      write(name, whole.substr(0, whole.size() / part));
+      soon();
+      soon();
+    }
+    write(name, whole);
+    soon();
+    soon();
+    EXPECT_FALSE(session.toldErrorSince(before)) << session.messages().back().text;
+  }
+  settle(session);
+  EXPECT_EQ(session.error(), "");
+  write("sheet.glb", mesh.substr(0, mesh.size() / 2));
+  settle(session);
+  EXPECT_NE(session.error(), "");
+}
+
 TEST_F(SessionTest, OwnSavesAreNoChange) {
   const fs::path source = write("sheet.glb", editorSheet());
   write("sheet.json", kEditorRecipe);
@@ -769,28 +858,95 @@ TEST(CameraTest, ZoomsOnCharactersOfEverySize) {
   }
 }
 
-TEST_F(SessionTest, AMeshThatComesBackInOtherUnitsIsFramedAnew) {
-  std::optional<preview::HeadlessContext> context;
-  try {
-    context.emplace();
-  } catch (const pipeline::Error& error) {
-    GTEST_SKIP() << error.what();
+// The whole editor on a small screen, with files that change between two scripts.
+class ScreenTest : public SessionTest {
+ protected:
+  void SetUp() override {
+    try {
+      context_.emplace();
+    } catch (const pipeline::Error& error) {
+      GTEST_SKIP() << error.what();
+    }
+    headless_.emplace(640, 480, 1.0f);
+    screen_ = headless_->screen();
+    editor_.emplace(session_, settings_);
   }
-  ui::HeadlessScreen headless(640, 480, 1.0f);
-  Session session;
-  Settings settings;
-  ui::Editor editor(session, settings);
-  const ui::Screen screen = headless.screen();
-  const auto play = [&](const std::string& script) {
-    ui::runScript(script, "script", editor, screen, folder());
-    return editor.state().camera.distance;
-  };
-  const fs::path file = write("still.glb", editorStill());
-  const float metres = play("open " + file.string() + "\nwait\nkey =\n");
+  void play(const std::string& script) { ui::runScript(script, "script", *editor_, screen_, folder()); }
+  static std::string times(int count, const std::string& line) {
+    std::string all;
+    for (int i = 0; i < count; ++i) all += line + "\n";
+    return all;
+  }
+
+  std::optional<preview::HeadlessContext> context_;
+  std::optional<ui::HeadlessScreen> headless_;
+  ui::Screen screen_;
+  Settings settings_;
+  Session session_;
+  std::optional<ui::Editor> editor_;
+};
+
+TEST_F(ScreenTest, AMeshThatComesBackInOtherUnitsIsFramedAnew) {
+  const float& distance = editor_->state().camera.distance;
+  play("open " + write("still.glb", editorStill()).string() + "\nwait\nkey =\n");
+  const float metres = distance;
   write("still.glb", editorStill(1.5));
-  EXPECT_EQ(play("frames 90\nwait\n"), metres);  // as the artist had it
+  play("frames 90\nwait\n");
+  EXPECT_EQ(distance, metres);  // as the artist had it
   write("still.glb", editorStill(100.0));
-  EXPECT_GT(play("frames 90\nwait\n"), 50.0f * metres);
+  play("frames 90\nwait\n");
+  EXPECT_GT(distance, 50.0f * metres);
+}
+
+TEST_F(ScreenTest, AStrokeOverAMeshThatIsReplacedByAnotherGoesOn) {
+  write("sheet.json", kEditorRecipe);
+  play("open " + write("sheet.glb", editorSheet()).string() + "\nwait\nkey B\nkey C\nkey Space\nkey Right\n");
+  write("sheet.glb", editorPair());
+  play("frames 60\nwait\nkey Right\nkey Right\nkey Space\nwait\nexpect no error\nexpect dirty\n");
+  EXPECT_EQ(session_.shown()->view().parts.size(), 2u);
+}
+
+// Large maps are cooked small first, which no newer edit ends.
+std::string draftedRecipe() {
+  std::string recipe = kEditorRecipe;
+  return recipe.replace(recipe.find("128"), 3, "512");
+}
+
+TEST_F(ScreenTest, AStrokeStaysInSightWhileTheOneBeforeItIsCooked) {
+  write("sheet.json", draftedRecipe());
+  play("open " + write("sheet.glb", editorSheet()).string() + "\nwait\nkey B\nkey C\n");
+  const auto color = [&] {  // of the view's middle, where the second stroke goes
+    play("frames 1\n");
+    const ui::Rect view = *ui::find("viewport");
+    const pipeline::Image picture = screen_.picture();
+    const float* pixel = picture.at(static_cast<uint32_t>(0.5f * (view.low.x + view.high.x)),
+                                    static_cast<uint32_t>(0.5f * (view.low.y + view.high.y)));
+    return std::abs(pixel[0] - pixel[2]);
+  };
+  play(times(8, "key Up"));
+  EXPECT_LT(color(), 0.1f);
+  play("key Space\nkey Right\nkey Space\n" + times(8, "key Down") +
+       "key Space\nkey Left\nkey Space\nkey C\n");
+  do EXPECT_GT(color(), 0.3f);
+  while (editor_->working());
+  play("key Ctrl+Z\nwait\n");
+  EXPECT_LT(color(), 0.1f);
+  play("key C\nkey Space\nkey Right\nkey Space\nkey C\nkey Ctrl+Z\n");
+  EXPECT_LT(color(), 0.1f);  // before it is cooked
+}
+
+TEST_F(ScreenTest, AGuideGoesOnWhileTheOneBeforeItIsCooked) {
+  write("sheet.json", draftedRecipe());
+  play("open " + write("sheet.glb", editorSheet()).string() + "\nwait\nkey G\nkey C\n");
+  const std::string draw = "key Space\n" + times(10, "key Right"),
+                    lift = "key Space\n" + times(10, "key Left");
+  play(draw + lift + draw + "wait\n" + times(4, "key Right") + lift + "wait\n");
+  const auto* guides =
+      std::get_if<pipeline::DirectionGuides>(&session_.document.recipe().layers[0].direction);
+  ASSERT_TRUE(guides);
+  ASSERT_EQ(guides->curves.size(), 2u);
+  EXPECT_NEAR(guides->curves[1].front()[0], guides->curves[0].front()[0], 1e-6);
+  EXPECT_GT(guides->curves[1].back()[0], guides->curves[0].back()[0]);
 }
 
 TEST_F(SessionTest, WhatAScriptWaitsForTakesNoneOfItsTime) {
