@@ -1,7 +1,9 @@
 // What `furrow cook` writes beside the asset: the recipe it worked out, the report and the depfile.
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/cli/tool.h"
 
@@ -47,6 +49,24 @@ class RecipeTool : public ToolTest {
     return run(arguments);
   }
 };
+
+TEST_F(RecipeTool, TheDocsNameEveryKeyOfTheReport) {
+  const std::string recipe = write("recipe.json", R"({"layers":[{"name":"a","response":{"fit":0.9}}]})");
+  const std::filesystem::path file = output() / "report.json";
+  ASSERT_EQ(cook({"--recipe", recipe, "--report", file}).status, 0);
+  const std::string docs = readText(FURROW_SOURCE_DIR "/docs/build_step.md");
+  std::set<std::string> keys;
+  const std::function<void(const json&)> collect = [&](const json& value) {
+    for (const auto& [key, item] : value.items()) {
+      if (value.is_object()) keys.insert(key);
+      if (item.is_structured()) collect(item);
+    }
+  };
+  collect(json::parse(readText(file)));
+  for (const char* key : {"weldTolerance", "lowConfidence", "alpha", "rmsError", "stages"})
+    EXPECT_TRUE(keys.contains(key)) << key;
+  for (const std::string& key : keys) EXPECT_NE(docs.find('`' + key + '`'), docs.npos) << key;
+}
 
 TEST_F(RecipeTool, TheRecipeItWritesCooksTheSameAsset) {
   const std::string recipes[] = {"", R"({"layers":[{"name":"a","response":{"fit":0.9},"mask":"none"},

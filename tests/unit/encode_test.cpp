@@ -157,6 +157,19 @@ TEST(Encode, WhatLiesOutsideTheChartsReachesNoLevel) {
   }
 }
 
+TEST(Encode, AChartOfOneTexelReachesEveryLevel) {
+  ByteImage mask{128, 128, 4, std::vector<uint8_t>(size_t{4} * 128 * 128, 0)};
+  Coverage coverage(128 * 128, 0);
+  const size_t texel = 77 * 128 + 50;
+  coverage[texel] = 1;
+  mask.pixels[4 * texel] = 102;
+  const EncodedTexture texture = encodeBytes(std::array{mask}, std::array{coverage});
+  for (uint32_t level = 0; level < texture.levels; ++level) {
+    const Image back = decode(texture, level, 0);
+    for (size_t i = 0; i < back.pixels.size(); i += 4) ASSERT_EQ(back.pixels[i], 102.0f / 255.0f) << level;
+  }
+}
+
 TEST(Encode, ErrorsAreThoseOfTheDecodedTexture) {
   const Image normal = creases(64);
   Image factor{64, 64, 1, {}};

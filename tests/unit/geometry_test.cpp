@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "tests/unit/sheets.h"
 
@@ -69,6 +70,27 @@ void expectTheSame(const Primitive& primitive) {
 
 TEST(Geometry, ASheet) {
   expectTheSame(tests::sheet(9));
+}
+
+TEST(Geometry, TheStepIsAPowerOfTwoThatFollowsTheShortEdges) {
+  for (const float edge : {0.009f, 0.01f, 0.013f, 0.016f}) {
+    // A large triangle, and small ones, which are more than one edge in twenty.
+    Primitive mesh;
+    mesh.positions = {{0, 0, 0}, {100, 0, 0}, {0, 100, 0}};
+    for (uint32_t i = 0; i < 8; ++i) {
+      const glm::vec3 at(0.0f, 0.0f, static_cast<float>(i));
+      mesh.positions.insert(mesh.positions.end(),
+                            {at, at + glm::vec3(edge, 0, 0), at + glm::vec3(0, edge, 0)});
+    }
+    for (uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.indices.push_back(v);
+    const float step = positionStep(mesh.positions, mesh.indices);
+    EXPECT_LE(step, edge / 64.0f);
+    EXPECT_GT(step, edge / 129.0f);
+    int exponent = 0;
+    EXPECT_EQ(std::frexp(step, &exponent), 0.5f);
+  }
+  const Primitive sheet = tests::sheet(9);  // whose edges are long: 16 bits across
+  EXPECT_LE(positionStep(sheet.positions, sheet.indices), 1.0f / 65535.0f);
 }
 
 // A fin stands on every third edge of the sheet, so that these have three triangles.

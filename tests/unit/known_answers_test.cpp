@@ -432,6 +432,23 @@ TEST(Cook, AMaskCoversWhatAnyPoseSqueezes) {
   }
 }
 
+TEST(Cook, TheMaskRisesFromThreeToFifteenPercentOfSqueeze) {
+  pipeline::Recipe recipe = pipeline::defaultRecipe();
+  recipe.layers[0].compress = pipeline::MapNone{};
+  const auto maskOf = [&](double squeeze) {
+    const Asset asset = cookAsset(
+        sceneOf(sheet(6), [&](glm::dvec3 p) { return p * glm::dvec3(1.0 - squeeze, 1.0, 1.0); }), recipe);
+    const std::span<const uint8_t> mask = asset.view().layers[0].mask;  // empty: everywhere
+    for (const uint8_t m : mask) EXPECT_EQ(m, mask[0]) << squeeze;
+    return mask.empty() ? 255 : int{mask[0]};
+  };
+  EXPECT_EQ(maskOf(0.008), 255);  // no squeeze at all: the layer is everywhere
+  EXPECT_EQ(maskOf(0.012), 0);
+  EXPECT_NEAR(maskOf(0.06), 255 * 5.0 / 32.0, 1.0);  // a smooth step at 1/4
+  EXPECT_NEAR(maskOf(0.09), 255 / 2.0, 1.0);
+  EXPECT_EQ(maskOf(0.151), 255);
+}
+
 TEST(Cook, MakesNormalsThatPointOutOfAMirroredMeshToo) {
   for (const double x : {1.0, -1.0}) {
     SourceScene scene = sceneOf(sheet(4), [](glm::dvec3 p) { return p; });

@@ -186,23 +186,24 @@ TEST(Weld, JitteredPositionsAreKeysOfOnePlace) {
   }
 }
 
-// Four vertices at one place: plain, the joints in another order, an 8-bit rounding of the weights, and one
-// that moves with another joint; then the same on a rigid mesh of the first joint's node.
+// Vertices at one place: plain, the joints in another order, an 8-bit rounding of the weights, one that moves
+// with another joint, a joint that counts twice, and weights that no rounding makes; then the same on a rigid
+// mesh of the first joint's node.
 TEST(Weld, JointsAreComparedByNodeWhateverTheirOrder) {
   SourceScene scene;
   scene.rig.nodes.resize(3);
   scene.rig.palette = {{0, glm::dmat4(1.0)}, {1, glm::dmat4(1.0)}, {2, glm::dmat4(1.0)}};
   Primitive skin;
-  skin.positions.assign(5, glm::vec3(0.0f));
+  skin.positions.assign(6, glm::vec3(0.0f));
   skin.influences = 4;
-  skin.joints = {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0};
-  skin.weights = {0.7f, 0.3f, 0,    0,    0.3f, 0.7f, 0,    0,    0.698f, 0.302f,
-                  0,    0,    0.7f, 0.3f, 0,    0,    0.5f, 0.2f, 0.3f,   0};
+  skin.joints = {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0};
+  skin.weights = {0.7f, 0.3f, 0, 0, 0.3f, 0.7f, 0,    0, 0.698f, 0.302f, 0, 0,
+                  0.7f, 0.3f, 0, 0, 0.5f, 0.2f, 0.3f, 0, 0.695f, 0.305f, 0, 0};
   scene.primitives = {skin};
   scene.parts.resize(1);
   scene.parts[0].skinned = true;
   scene.parts[0].palette_count = 3;
-  EXPECT_EQ(weld(scene, {})->vertex_point, (std::vector<uint32_t>{0, 0, 0, 1, 0}));
+  EXPECT_EQ(weld(scene, {})->vertex_point, (std::vector<uint32_t>{0, 0, 0, 1, 0, 2}));
 
   Primitive rigid;
   rigid.positions = {{0.0f, 0.0f, 0.0f}};
@@ -211,7 +212,7 @@ TEST(Weld, JointsAreComparedByNodeWhateverTheirOrder) {
   scene.primitives[0].joints.insert(scene.primitives[0].joints.end(), {0, 0, 0, 0});
   scene.primitives[0].weights.insert(scene.primitives[0].weights.end(), {1, 0, 0, 0});
   scene.primitives[0].positions.emplace_back(0.0f);
-  EXPECT_EQ(weld(scene, {})->vertex_point, (std::vector<uint32_t>{0, 0, 0, 1, 0, 2, 2}));
+  EXPECT_EQ(weld(scene, {})->vertex_point, (std::vector<uint32_t>{0, 0, 0, 1, 0, 2, 3, 3}));
 }
 
 TEST(Weld, ARestFromAnotherFilePartsWhatItMovesApart) {
