@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 
 #include "furrow/place_hash.h"
 #include "pipeline/bake/response_fit.h"
+#include "pipeline/bake/weld.h"
 #include "pipeline/error.h"
 #include "pipeline/import/import.h"
 #include "pipeline/pack/rig_section.h"
@@ -430,6 +432,41 @@ TEST(Cook, AMaskCoversWhatAnyPoseSqueezes) {
     EXPECT_TRUE(std::ranges::all_of(mask, [](uint8_t m) { return m == 255; })) << order;
     std::swap(scene.primitives[0].morphs[0], scene.primitives[0].morphs[1]);
   }
+}
+
+TEST(Cook, DirectionsOfAnAttributeTurnWithTheirMesh) {
+  SourceScene scene = sceneOf(sheet(4), [](glm::dvec3 p) { return p; });
+  pipeline::Attribute direction{"_DIR", 3, {}};
+  for (size_t v = 0; v < scene.primitives[0].positions.size(); ++v)
+    direction.values.insert(direction.values.end(), {v % 2 ? -2.0f : 0.5f, 0.0f, 0.0f});
+  scene.primitives[0].attributes.push_back(direction);
+  scene.rig.nodes[0].rotation = glm::angleAxis(std::numbers::pi / 3.0, glm::dvec3(0, 0, 1));
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.direction = pipeline::DirectionAttribute{"_DIR"};
+  const Asset asset = cookAsset(scene, recipeOf({layer}));
+  for (uint32_t p = 0; p < asset.view().pointCount(); ++p) {
+    const int8_t* d = &asset.view().layers[0].directions[4 * p];
+    EXPECT_NEAR(std::abs(d[0] * std::cos(std::numbers::pi / 3.0) + d[1] * std::sin(std::numbers::pi / 3.0)),
+                127.0, 2.0);
+  }
+}
+
+// Where a file's inverse bind matrices carry its unit, at most joints but the top one.
+TEST(Cook, RestIsTakenAfterTheScaleOfTheInverseBindMatrices) {
+  SourceScene scene = sceneOf(sheet(2), [](glm::dvec3 p) { return p; });
+  Primitive& primitive = scene.primitives[0];
+  primitive.influences = 1;
+  primitive.joints.assign(primitive.positions.size(), 1);
+  primitive.weights.assign(primitive.positions.size(), 1.0f);
+  scene.rig.nodes.resize(3);
+  scene.rig.nodes[1].parent = scene.rig.nodes[2].parent = 0;
+  const glm::dmat4 hundred(glm::dmat3(100.0));
+  scene.rig.palette = {{0, glm::dmat4(1.0)}, {1, hundred}, {2, hundred}};
+  scene.parts[0].skinned = true;
+  scene.parts[0].palette_count = 3;
+  const std::vector<glm::vec3> placed = pipeline::sourcePositions(scene);
+  for (size_t v = 0; v < placed.size(); ++v)
+    EXPECT_LT(glm::distance(placed[v], 100.0f * primitive.positions[v]), 1e-4f) << v;
 }
 
 TEST(Cook, TheMaskRisesFromThreeToFifteenPercentOfSqueeze) {
