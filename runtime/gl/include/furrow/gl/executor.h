@@ -19,7 +19,8 @@ class Executor {
 
   // Compiles the shaders and makes and fills the buffers. `plan` and the asset it was made from must outlive
   // the executor. Whether the context was lost is asked of `lost`; null: of resetStatus(). In either case
-  // a context in which the executor's objects are no more is a lost one.
+  // a context in which the executor's objects are no more is a lost one. Leaves no program, framebuffer and
+  // pixel buffer bound.
   Status create(const FramePlan& plan, ResetStatus lost = nullptr);
 
   // Uploads an instance's kFrame and, unless posed by the host, kPalette and kMorphWeights. `input` must fit
