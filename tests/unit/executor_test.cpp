@@ -172,6 +172,23 @@ TEST_P(ExecutorTest, TakesPosedVerticesFromTheHost) {
       cpuWeights(positions));
 }
 
+TEST_P(ExecutorTest, WhatIsNoNumberCountsAsAtRest) {
+  const AssetView& asset = ball_.view();
+  const FramePlan plan(asset, {.form = GetParam(), .posed_by_host = true});
+  gl::Executor executor;
+  ASSERT_TRUE(executor.create(plan).ok());
+  auto positions = posed();
+  const auto plain = cpuWeights(positions);
+  for (uint32_t p = 0; p < asset.pointCount(); p += 40)
+    positions[asset.point_vertex[p]].y = p % 80 == 0 ? NAN : INFINITY;
+  ASSERT_TRUE(executor.upload(frame_).ok());
+  executor.upload(Buffer::kPositions, std::as_bytes(std::span(positions)));
+  ASSERT_TRUE(executor.run().ok());
+  const auto expected = cpuWeights(positions);
+  EXPECT_NE(expected, plain);
+  expectSameWeights(read<int16_t>(executor, Buffer::kWeights, expected.size()), expected);
+}
+
 // Layers that measure different triangles: "b" none where its direction is along the normal, "d" none at all.
 TEST_P(ExecutorTest, LayersOfAnyMeasureAndCoverage) {
   Primitive bent = sheet(24);
