@@ -21,7 +21,8 @@ using pipeline::Error;
 using pipeline::Exit;
 
 struct Options {
-  std::string asset, mesh, out, up = "y";
+  AssetOptions asset;
+  std::string mesh, out, up = "y";
   double scale = 1.0, tolerance = 0.0;
   std::vector<double> matrix;  // 12, row-major
 };
@@ -80,8 +81,8 @@ std::string csv(const std::vector<uint32_t>& points) {
 
 void run(const Options& options) {
   const Affine to_root = toRoot(options);
-  refuseToOverwrite({options.out}, {options.asset, options.mesh});
-  const OpenedAsset opened = openAsset(options.asset);
+  checkOutputs({options.out}, {options.asset.file, options.asset.recipe, options.mesh});
+  const OpenedAsset opened = options.asset.open();
   const AssetView& asset = opened.asset.view();
   const Mesh mesh = readMesh(options.mesh);
   BindJob job{&asset, mesh.positions, mesh.indices, to_root, static_cast<float>(options.tolerance), {}, {}};
@@ -89,7 +90,7 @@ void run(const Options& options) {
   job.scratch = scratch;
   job.points = points;
   if (const Status status = job.validate(); !status.ok())
-    throw Error(Exit::kBadData, options.asset, status.message,
+    throw Error(Exit::kBadData, options.asset.file, status.message,
                 "cook it again from its source with 'furrow cook'");
   const BindCounts counts = job.run();
   std::printf("vertices %zu\nmatched %u\nambiguous %u\nunmatched %u\n", points.size(), counts.matched,
@@ -116,11 +117,13 @@ Command addBind(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("bind", "Find the points of another file's vertices through the place hash");
   const auto options = std::make_shared<Options>();
-  command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
+  options->asset.add(*command);
   command->add_option("MESH", options->mesh, "The same mesh from somewhere else: glTF, OBJ, PLY, STL or OFF")
       ->required();
-  command->add_option("-o,--output", options->out,
-                      "CSV file with the point of every vertex, written if all were found");
+  command
+      ->add_option("-o,--output", options->out,
+                   "CSV file with the point of every vertex, written if all were found")
+      ->check(requireName);
   const auto finite = CLI::Validator(
       [](std::string& text) {
         double value = 0.0;

@@ -85,6 +85,7 @@ void run(const Options& options) {
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
+  checkOutputs({options.out, options.init, options.depfile, options.report}, {options.in, options.recipe});
   std::error_code ignored;
   if (!options.init.empty() && !options.force && std::filesystem::exists(options.init, ignored))
     throw pipeline::Error(pipeline::Exit::kBadUsage, options.init, "it exists already",

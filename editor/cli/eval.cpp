@@ -15,7 +15,8 @@ using pipeline::Error;
 using pipeline::Exit;
 
 struct Options {
-  std::string asset, out;
+  AssetOptions asset;
+  std::string out;
   PoseOptions pose;
 };
 
@@ -102,10 +103,10 @@ std::string csv(const AssetView& asset, const Result& result, const double* orig
 
 void run(const Options& options) {
   options.pose.validate();
-  refuseToOverwrite({options.out}, {options.asset, options.pose.take});
+  checkOutputs({options.out}, {options.asset.file, options.asset.recipe, options.pose.take});
   Backend backend(options.pose.backend);
   backend.require();
-  const OpenedAsset opened = openAsset(options.asset);
+  const OpenedAsset opened = options.asset.open();
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
   const AssetView& asset = opened.asset.view();
   const Result result = backend.run([&](gl::Tier tier) {
@@ -118,7 +119,7 @@ void run(const Options& options) {
     writeText(options.out, text);
   finishPrinting();
   backend.report();
-  printWarnings(options.asset, opened.warnings);
+  printWarnings(options.asset.file, opened.warnings);
 }
 
 }  // namespace
@@ -126,7 +127,7 @@ void run(const Options& options) {
 Command addEval(CLI::App& app) {
   CLI::App* command = app.add_subcommand("eval", "Weights of every vertex in one pose, as CSV");
   const auto options = std::make_shared<Options>();
-  command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
+  options->asset.add(*command);
   command->add_option("-o,--output", options->out, "CSV file (default: standard output)")->check(requireName);
   options->pose.add(*command);
   return [options] { run(*options); };

@@ -11,20 +11,21 @@ Command addExport(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("export", "Write the cooked mesh, its rig, maps and weights as GLB for other tools");
   struct Options {
-    std::string asset, out;
+    AssetOptions asset;
+    std::string out;
   };
   const auto options = std::make_shared<Options>();
-  command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
+  options->asset.add(*command);
   command->add_option("-o,--output", options->out, "The .glb file to write")->required()->check(requireName);
   return [options] {
     using pipeline::Error;
     using pipeline::Exit;
     if (std::filesystem::path(options->out).extension() != ".glb")
       throw Error(Exit::kBadUsage, options->out, "GLB is what is written", "give a name that ends in .glb");
-    refuseToOverwrite({options->out}, {options->asset});
-    const OpenedAsset opened = openAsset(options->asset);
+    checkOutputs({options->out}, {options->asset.file, options->asset.recipe});
+    const OpenedAsset opened = options->asset.open();
     pipeline::writeFile(options->out, pipeline::exportGlb(opened.asset.view(), opened.rig));
-    printWarnings(options->asset, opened.warnings);
+    printWarnings(options->asset.file, opened.warnings);
   };
 }
 

@@ -169,16 +169,16 @@ Command addInfo(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("info", "Show what is in an asset, sizes by section, and GPU memory");
   struct Options {
-    std::string asset;
+    AssetOptions asset;
     bool json = false, tier = false;
   };
   const auto options = std::make_shared<Options>();
-  command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
+  options->asset.add(*command);
   command->add_flag("--json", options->json, "As JSON");
   command->add_flag("--tier", options->tier,
                     "Also which tier frames would run on here, and why: asks the OpenGL driver");
   return [options] {
-    const OpenedAsset opened = openAsset(options->asset);
+    const OpenedAsset opened = options->asset.open();
     nlohmann::json description = describe(opened);
     if (options->tier) description["tier"] = describeTier();
     if (options->json)
@@ -186,21 +186,21 @@ Command addInfo(CLI::App& app) {
     else
       print(description);
     finishPrinting();
-    printWarnings(options->asset, opened.warnings);
+    printWarnings(options->asset.file, opened.warnings);
   };
 }
 
 Command addCheck(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("check", "Tell whether an asset or a source is valid, or exactly what is wrong");
-  const auto file = std::make_shared<std::string>();
-  command->add_option("FILE", *file, "A .furrow file or a source")->required();
-  return [file] {
-    const OpenedAsset opened = openAsset(*file);
-    std::printf("%s: valid %s, %u triangles\n", file->c_str(), opened.cooked_here ? "source" : "asset",
+  const auto asset = std::make_shared<AssetOptions>();
+  asset->add(*command, "FILE");
+  return [asset] {
+    const OpenedAsset opened = asset->open();
+    std::printf("%s: valid %s, %u triangles\n", asset->file.c_str(), opened.cooked_here ? "source" : "asset",
                 opened.asset.view().triangleCount());
     finishPrinting();
-    printWarnings(*file, opened.warnings);
+    printWarnings(asset->file, opened.warnings);
   };
 }
 

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   using furrow::pipeline::Exit;
   std::signal(SIGXFSZ, SIG_IGN);  // a file too long for the user's limit is a fault of writing like any other
   furrow::pipeline::keepFreedMemory();
-  CLI::App app("furrow: wrinkles computed on every frame from how the surface is squeezed");
+  CLI::App app("furrow: wrinkles computed on every frame from how the surface is squeezed", "furrow");
   app.set_version_flag("--version", "furrow " FURROW_VERSION);
   app.require_subcommand(1);
   app.footer(
@@ -34,6 +34,10 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
     return app.exit(help);
+  } catch (const CLI::ExtrasError&) {
+    std::fprintf(stderr, "furrow: %s: is not expected here: see 'furrow --help' or 'furrow COMMAND --help'\n",
+                 app.remaining(true).front().c_str());
+    return static_cast<int>(Exit::kBadUsage);
   } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "furrow: %s: see 'furrow --help' or 'furrow COMMAND --help'\n", error.what());
     return static_cast<int>(Exit::kBadUsage);

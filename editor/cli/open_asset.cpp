@@ -5,14 +5,25 @@
 #include <chrono>
 #include <cstdio>
 
+#include "pipeline/error.h"
 #include "pipeline/import/import.h"
 #include "pipeline/one_line.h"
 
 namespace furrow::cli {
 
-OpenedAsset openAsset(const std::filesystem::path& file) {
-  if (preview::looksLikeAsset(file)) return {preview::loadAsset(file), false, {}};
-  pipeline::Cooked cooked = cookFile({.pattern = {}, .base = file}, {}, {}, false);
+void AssetOptions::add(CLI::App& command, const char* name) {
+  command.add_option(name, file, "A .furrow file, or a source to cook in memory")->required();
+  command.add_option("--recipe", recipe, "Recipe (JSON) that a source is cooked with");
+}
+
+OpenedAsset AssetOptions::open() const {
+  if (preview::looksLikeAsset(file)) {
+    if (!recipe.empty())
+      throw pipeline::Error(pipeline::Exit::kBadUsage, file, "it is cooked already and takes no recipe",
+                            "name its source in its place");
+    return {preview::loadAsset(file), false, {}};
+  }
+  pipeline::Cooked cooked = cookFile({.pattern = {}, .base = file}, recipe, {}, false);
   return {preview::loadAsset(file, cooked.bytes), true, std::move(cooked.report.warnings)};
 }
 

@@ -2,6 +2,7 @@
 
 // What stands where a command says ASSET: a .furrow file, or a source that is cooked in memory first.
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,7 +18,14 @@ struct OpenedAsset : preview::LoadedAsset {
   std::vector<std::string> warnings;  // of the cook, if there was one
 };
 
-OpenedAsset openAsset(const std::filesystem::path& file);
+struct AssetOptions {
+  std::string file, recipe;
+
+  void add(CLI::App& command, const char* name = "ASSET");
+
+  // Throws Error (kBadUsage) for a recipe of what is cooked already.
+  OpenedAsset open() const;
+};
 
 // Cooks a source (the base alone if the sequence has no pattern) with a recipe (empty path: the default one);
 // prints stages on a terminal unless quiet.

@@ -25,6 +25,18 @@ void refuseToOverwrite(const std::vector<std::filesystem::path>& outputs,
   }
 }
 
+void checkOutputs(const std::vector<std::filesystem::path>& outputs,
+                  const std::vector<std::filesystem::path>& inputs) {
+  std::error_code ignored;
+  for (const std::filesystem::path& output : outputs)
+    if (const std::filesystem::path folder = output.parent_path();
+        !folder.empty() && !std::filesystem::exists(folder, ignored))
+      throw pipeline::Error(pipeline::Exit::kEnvironment, output.string(),
+                            "cannot be written, as its folder is not there",
+                            "make it first, or choose another");
+  refuseToOverwrite(outputs, inputs);
+}
+
 void finishPrinting() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))
     throw pipeline::Error(pipeline::Exit::kEnvironment, "standard output", "cannot be written",

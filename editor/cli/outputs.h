@@ -12,6 +12,10 @@ namespace furrow::cli {
 void refuseToOverwrite(const std::vector<std::filesystem::path>& outputs,
                        const std::vector<std::filesystem::path>& inputs);
 
+// Before long work: the same, and kEnvironment for an output whose folder is not there.
+void checkOutputs(const std::vector<std::filesystem::path>& outputs,
+                  const std::vector<std::filesystem::path>& inputs);
+
 // Throws Error (kEnvironment) if what was printed did not all get to standard output.
 void finishPrinting();
 

@@ -5,6 +5,7 @@
 
 #include "editor/cli/backend.h"
 #include "editor/cli/commands.h"
+#include "editor/cli/outputs.h"
 #include "editor/cli/pose_options.h"
 #include "editor/preview/software_picture.h"
 #include "pipeline/error.h"
@@ -29,7 +30,8 @@ const std::map<std::string, preview::View> kViews = {{"beauty", preview::View::k
                                                      {"morph", preview::View::kMorph}};
 
 struct Options {
-  std::string asset, out, size = "1024x1024", layer;
+  AssetOptions asset;
+  std::string out, size = "1024x1024", layer;
   std::string shading, lighting = "ggx", view = "beauty";
   std::optional<float> yaw, pitch, distance;
   float zoom = 1.0f;
@@ -53,6 +55,8 @@ void run(const Options& options) {
   preview::RenderOptions render;
   parseSize(options.size, render.width, render.height);
   options.pose.validate();
+  pipeline::requirePngName(options.out);
+  checkOutputs({options.out}, {options.asset.file, options.asset.recipe, options.pose.take});
   Backend backend(options.pose.backend);
   backend.require();
   render.lighting = options.lighting == "blinn" ? preview::Lighting::kBlinn : preview::Lighting::kGgx;
@@ -66,21 +70,21 @@ void run(const Options& options) {
     return tier == gl::Tier::kCpu && !preview::whyNotInSoftware(render);
   };
   if (!inSoftware(backend.choice().tier)) backend.needContext();
-  const OpenedAsset opened = openAsset(options.asset);
+  const OpenedAsset opened = options.asset.open();
   const AssetView& asset = opened.asset.view();
   const preview::PosedFrame frame = poseFrame(opened, options.pose);
   if (!options.layer.empty()) {
     while (render.layer < asset.layerCount() && asset.layers[render.layer].name != options.layer)
       ++render.layer;
     if (render.layer == asset.layerCount())
-      throw Error(Exit::kBadUsage, options.asset, "it has no layer \"" + options.layer + "\"",
+      throw Error(Exit::kBadUsage, options.asset.file, "it has no layer \"" + options.layer + "\"",
                   "see 'furrow info'");
   }
 
   std::vector<Float3> posed(asset.vertexCount());
   const DeformJob deform{&asset, frame.palette, frame.morph_weights, posed, {}, {}};
   if (const Status status = deform.validate(); !status.ok())
-    throw Error(Exit::kBadData, options.asset, status.message, "cook it again");
+    throw Error(Exit::kBadData, options.asset.file, status.message, "cook it again");
   deform.run(0, asset.vertexCount());
   const preview::Facing facing =
       options.yaw || options.pitch ? preview::Facing() : preview::facing(posed, asset.indices);
@@ -100,7 +104,7 @@ void run(const Options& options) {
   });
   pipeline::writeImage(options.out, picture);
   backend.report();
-  printWarnings(options.asset, opened.warnings);
+  printWarnings(options.asset.file, opened.warnings);
 }
 
 }  // namespace
@@ -111,7 +115,7 @@ Command addRender(CLI::App& app) {
   std::vector<std::string> shadings, views;
   for (const auto& [name, value] : kShadings) shadings.push_back(name);
   for (const auto& [name, value] : kViews) views.push_back(name);
-  command->add_option("ASSET", options->asset, "A .furrow file, or a source to cook in memory")->required();
+  options->asset.add(*command);
   command->add_option("-o,--output", options->out, "PNG file to write")->required()->check(requireName);
   command
       ->add_option("--shading", options->shading,

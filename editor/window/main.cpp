@@ -355,7 +355,7 @@ void runWindow(const Options& options, Settings& settings) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("furrow-editor: see, play, paint and tune wrinkles");
+  CLI::App app("furrow-editor: see, play, paint and tune wrinkles", "furrow-editor");
   app.set_version_flag("--version", "furrow-editor " FURROW_VERSION);
   app.footer(
       "Exit status: 0 done, 1 bad data (an input missing, too), 2 bad usage (also a script that does not get "

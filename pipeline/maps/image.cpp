@@ -149,9 +149,13 @@ ByteImage toBytes(const Image& image) {
   return bytes;
 }
 
-void writeImage(const std::filesystem::path& file, const Image& image) {
+void requirePngName(const std::filesystem::path& file) {
   if (file.extension() != ".png")
     throw Error(Exit::kBadUsage, file.string(), "images are written as PNG", "give a name that ends in .png");
+}
+
+void writeImage(const std::filesystem::path& file, const Image& image) {
+  requirePngName(file);
   writeFile(file, encodePng(toBytes(image)));
 }
 

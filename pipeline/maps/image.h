@@ -62,8 +62,10 @@ float sampleAt(const ByteImage& image, glm::vec2 uv, uint32_t channel);
 // Values cut to [0, 1] and rounded to the nearest of 256.
 ByteImage toBytes(const Image& image);
 
-// PNG of 8 bits a channel, whole or not at all (pack/output_file.h). Throws Error (kEnvironment; kBadUsage
-// for a name that does not end in .png).
+// Throws Error (kBadUsage) for a name that does not end in .png.
+void requirePngName(const std::filesystem::path& file);
+
+// PNG of 8 bits a channel, whole or not at all (pack/output_file.h). Throws Error (kEnvironment; as above).
 void writeImage(const std::filesystem::path& file, const Image& image);
 
 // The image at another size, or a window of it: from `low` over `extent`, in sides. Triangle-filtered, and

@@ -276,6 +276,17 @@ TEST_F(BadInput, StandardOutputThatIsFull) {
   }
 }
 
+TEST_F(BadInput, OutputsAreRefusedBeforeTheSourceIsRead) {
+  const std::string source = write("sheet.glb", "no mesh"), nowhere = folder() / "nowhere";
+  for (const char* option : {"--init", "--depfile", "--report"})
+    expectRefused(cook(source, {option, nowhere + "/r"}), 3, nowhere + "/r: cannot be written");
+  expectRefused(run({"cook", source, "-o", source}), 2, "overwrite an input");
+  expectRefused(run({"eval", source, "-o", nowhere + "/w.csv"}), 3, nowhere);
+  expectRefused(run({"bind", source, source, "-o", nowhere + "/p.csv"}), 3, nowhere);
+  expectRefused(run({"export", source, "-o", nowhere + "/a.glb"}), 3, nowhere);
+  expectRefused(run({"render", source, "-o", nowhere + "/a.png"}), 3, nowhere);
+  expectRefused(run({"render", source, "-o", output() / "a.jpg"}), 2, "ends in .png");
+}
 TEST_F(BadInput, OutputOverTheInput) {
   const std::filesystem::path source = write("sheet.glb", sheet());
   expectRefused(run({"cook", source, "-o", source}), 2, source);
@@ -374,6 +385,8 @@ TEST_F(BadInput, Usage) {
       {"eval", asset, "--backend", "cpu", "-o", "-"},
       {"render", asset, "-o", "-"},
       {"export", asset, "-o", "-"},
+      {"bind", asset, source, "-o", "-"},
+      {"info", asset, "--recipe", write("recipe.json", R"({"layers": [{"name": "a"}]})")},
       {"eval", asset, "--backend", "cpu", "--morph", "nonsense"},
       {"eval", asset, "--backend", "cpu", "--morph", "smile=much"},
       {"eval", asset, "--backend", "cpu", "--morph", "smile=nan"},
@@ -475,6 +488,7 @@ TEST_F(BadInput, HelpAndVersion) {
   }
   EXPECT_EQ(run({"--help"}).status, 0);
   EXPECT_NE(run({"--help"}).out.find("Exit status"), std::string::npos);
+  EXPECT_NE(run({"--help"}).out.find("Usage: furrow "), std::string::npos);
   EXPECT_TRUE(run({"--version"}).out.starts_with("furrow "));
 }
 

@@ -138,6 +138,20 @@ TEST_F(RecipeTool, AFittedResponseIsToldAndWritten) {
   EXPECT_NEAR(report.at("seconds"), seconds, 1e-9);
 }
 
+TEST_F(RecipeTool, ASourceInPlaceOfAnAssetIsCookedWithARecipe) {
+  const std::filesystem::path recipe = write(
+      "recipe.json", R"({"layers": [{"name": "a", "direction": {"axis": [1, 2, 0]}, "mask": "none"}]})");
+  ASSERT_EQ(cook({"--recipe", recipe, "--quiet"}).status, 0);
+  const auto eval = [&](const std::vector<std::string>& what) {
+    std::vector<std::string> arguments = {"eval", "--backend", "cpu", "--morph", "squeeze=1"};
+    arguments.insert(arguments.end(), what.begin(), what.end());
+    return run(arguments).out;
+  };
+  const std::string weights = eval({source, "--recipe", recipe});
+  EXPECT_NE(weights.find("weight_a"), std::string::npos);
+  EXPECT_EQ(weights, eval({asset}));
+}
+
 TEST_F(RecipeTool, ALayerThatShowsNowhereIsSaid) {
   const auto errorsOf = [&](const char* axis) {
     const std::string layer = std::string(R"({"layers":[{"name":"a","direction":{"axis":)") + axis + "}}]}";
