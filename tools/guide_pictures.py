@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""guide_pictures.py FURROW OUT: makes models, images and recipes, and of them the artist guide's pictures of map sources and weld traps.
+"""guide_pictures.py FURROW CONTENT OUT: makes models, images and recipes, and of them the artist guide's pictures of direction sources, map
+sources and weld traps.
 
-The models: a panel that its morph target squeezes upright, and small sheets for the weld. Status 77: there is no OpenGL."""
+The models: the demo's face, a panel that its morph target squeezes upright, and small sheets for the weld. Status 77: there is no OpenGL."""
 
 import json
 import math
@@ -122,16 +123,24 @@ def ring_height(u, v):
     return [0.5 + 0.5 * math.cos(48 * r) * max(0, 1 - 2 * r)] * 3
 
 
+# Around the middle, as the lines do that stand across rays.
+def swirl(u, v):
+    x, y = u - 0.5, 0.5 - v
+    r = max(math.hypot(x, y), 1e-3)
+    return [0.5 - 0.5 * y / r, 0.5 + 0.5 * x / r, 0]
+
+
 def main():
     made = []
     guide = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../docs/artist_guide.md")
-    furrow, out = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    furrow, content, out = map(os.path.abspath, sys.argv[1:4])
     work = os.path.join(out, "models")
     os.makedirs(work, exist_ok=True)
     os.chdir(work)
     panel("panel.glb")
     write_png("quilt.png", 512, 512, quilt_normal)
     write_png("rings.png", 512, 512, ring_height)
+    write_png("flow.png", 64, 64, swirl)
     # Charts as an exporter leaves them: the two sides of the seam are vertices of their own.
     first, second = lambda u, v: (0.5 * u, v), lambda u, v: (1 - 0.5 * u, 0.5 * v)
     halves("seam.glb", (left, first), (right, second))
@@ -141,14 +150,14 @@ def main():
     lips.sheet(10, 4, lower, lambda x, y, z: part(x, y, -1), lambda u, v: (u, 0.5 + 0.5 * v))
     lips.write("lips.glb")
 
-    def picture(name, model, layer, options, **more):
+    def picture(name, model, layer, options, size="240x200", **more):
         recipe = name + ".json"
         with open(recipe, "w", encoding="utf-8") as text:
             json.dump({**more, "layers": [{"name": "creases", "direction": {"axis": [0, 1, 0]}, "mask": "none", **layer}]}, text, indent=1)
         asset = name + ".furrow"
         subprocess.run([furrow, "cook", model, "-o", asset, "--recipe", recipe, "--quiet"], check=True)
         rendered = subprocess.run(
-            [furrow, "render", asset, "-o", os.path.join(out, name + ".png"), "--size", "240x200", "--layer", "creases", *options])
+            [furrow, "render", asset, "-o", os.path.join(out, name + ".png"), "--size", size, "--layer", "creases", *options])
         if rendered.returncode:
             sys.exit(77 if rendered.returncode == 3 else 1)
         made.append(name + ".png")
@@ -167,13 +176,19 @@ def main():
     picture("weld_lips", "lips.glb", {"compress": "none"}, [*point, "--morph", "open=0.3"])
     picture("weld_jitter", "jitter.glb", {"compress": "none"}, point, weld={"tolerance": 0})
 
+    darts = ["--view", "direction", "--zoom", "2.2", "--target", "0", "0.02", "0", "--yaw", "12"]
+    for source, direction in (("animation", "animation"), ("axis", {"axis": [0, 1, 0]}), ("guides", {"guides": {"lines": "ForeheadLines"}}),
+                              ("attribute", {"attribute": "_DIR_EYE"}), ("texture", {"texture": "flow.png"}), ("map", "map")):
+        layer = {"meshes": ["Face"], "materials": ["skin"], "direction": direction, "compress": {"height": "rings.png", "depth": 0.001}}
+        picture("direction_" + source, os.path.join(content, "face.glb"), layer, darts, "320x320", mapSize=512)
+
     with open(guide, encoding="utf-8") as text:
-        shown = re.findall(r"images/((?:map|weld)_\w+\.png)", text.read())
+        shown = re.findall(r"images/((?:direction|map|weld)_\w+\.png)", text.read())
     if sorted(shown) != sorted(made):
         sys.exit(f"the guide shows {sorted(shown)}, and these were made: {sorted(made)}")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) != 4:
         sys.exit(__doc__)
     main()

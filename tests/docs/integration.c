@@ -76,10 +76,6 @@ int main(int argc, char** argv) {
 #include "c_1_1.inc"
 #include "c_1_2.inc"
 
-  FurrowAssetInfo info = {.size = sizeof info};
-  FurrowPartInfo part = {.size = sizeof part};
-  if (furrow_asset_info(asset, &info, &status) || furrow_part_info(asset, 0, &part, &status))
-    return fail(status.message);
   if (info.layers != 4) return fail("the asset has other layers than this test");
 
 #include "c_3_1.inc"
