@@ -107,6 +107,24 @@ TEST(KnownAnswers, MorphTargetsKeepTheirErrorAndReportIt) {
   }
 }
 
+TEST(KnownAnswers, MorphTargetsKeepTheirNormalsToHalfAStep) {
+  SourceScene scene = sceneOf(sheet(6), [](glm::dvec3 p) { return p + glm::dvec3(0.0, 0.0, 0.1); });
+  Primitive& primitive = scene.primitives[0];
+  primitive.normals.assign(primitive.positions.size(), glm::vec3(0, 0, 1));
+  std::vector<glm::vec3>& bend = primitive.morphs[0].normals;
+  for (size_t v = 0; v < primitive.positions.size(); ++v) {
+    const auto angle = static_cast<float>(v);
+    bend.push_back({0.6f * std::sin(angle), 0.3f * std::cos(3.0f * angle), -0.1f});
+  }
+  const Asset asset = cookAsset(scene, recipeOf({axisLayer({1, 0, 0})}));
+  const Morph& morph = asset.view().morphs[0];
+  ASSERT_EQ(morph.normal_deltas.size(), 3 * bend.size());
+  for (size_t i = 0; i < bend.size(); ++i)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(morph.normal_step * static_cast<float>(morph.normal_deltas[3 * i + static_cast<size_t>(c)]),
+                  bend[asset.view().source_vertex[morph.vertices[i]]][c], 0.51 * 0.6 / 127.0);
+}
+
 TEST(KnownAnswers, AreaMeasureIsOatsWeight) {
   pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
   layer.measure = Measure::kArea;
@@ -510,6 +528,18 @@ TEST(Cook, ADriverSharesItsGainAmongTheSidesOfItsShape) {
     EXPECT_EQ(asset.view().drivers[m].morph, m);
     EXPECT_EQ(asset.view().drivers[m].gain, 0.4f);
   }
+}
+
+TEST(Cook, TargetsOfOneNameDriveOnce) {
+  SourceScene scene = sceneOf(sheet(4), [](glm::dvec3 p) { return p * 0.9; });
+  scene.rig.morphs.push_back(scene.rig.morphs[0]);
+  scene.primitives[0].morphs.push_back(scene.primitives[0].morphs[0]);
+  pipeline::LayerRecipe layer = axisLayer({1, 0, 0});
+  layer.drivers = {{"deform", 0.8, {}}};
+  const Asset asset = cookAsset(scene, recipeOf({layer}));
+  ASSERT_EQ(asset.view().drivers.size(), 1u);
+  EXPECT_EQ(asset.view().drivers[0].morph, 0u);
+  EXPECT_EQ(asset.view().drivers[0].gain, 0.8f);
 }
 
 // A crease along one side of a square: z falls from 1 as cosh((1 - y) / R) / cosh(1 / R) with R = 1/4, and

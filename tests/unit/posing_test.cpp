@@ -238,13 +238,15 @@ Pose poseOf(const Rig& rig, double time) {
 }
 
 TEST(Posing, CubicSplineWithTangentsByHand) {
-  // Keys 0 and 1 at 0 s and 2 s, out-tangent 1, in-tangent 0: at half-way 2 * 0.125 * 1 + 0.5 * 1 = 0.75.
+  // Keys 0 and 1 at 0 s and 2 s, out-tangent 1, in-tangents t: at half-way 2 * 0.125 * 1 + 0.5 * 1 - 2 *
+  // 0.125
+  // * t.
   const Rig rig = oneNode({0,
                            ChannelPath::kTranslation,
                            Interpolation::kCubicSpline,
                            {0.0f, 2.0f},
-                           {9, 9, 9, 0, 0, 0, 1, 1, 1, /**/ 0, 0, 0, 1, 1, 1, 9, 9, 9}});
-  expectNear(poseOf(rig, 1.0).nodes[0].translation, glm::dvec3(0.75), 1e-12);
+                           {9, 9, 9, 0, 0, 0, 1, 1, 1, /**/ 0, 4, -2, 1, 1, 1, 9, 9, 9}});
+  expectNear(poseOf(rig, 1.0).nodes[0].translation, {0.75, -0.25, 1.25}, 1e-12);
   expectNear(poseOf(rig, -1.0).nodes[0].translation, glm::dvec3(0.0), 0.0);
   expectNear(poseOf(rig, 2.0).nodes[0].translation, glm::dvec3(1.0), 0.0);
 }
