@@ -27,7 +27,7 @@ std::vector<Material> materials() {
           {"lids", {1.0f, 0.86f, 0.84f}, 0.35f, true},
           {"mouth", {0.30f, 0.10f, 0.09f}, 0.8f, true},
           {"teeth", {1.0f, 0.97f, 0.93f}, 0.35f},
-          {"hair", glm::vec3(1), 0.56f, true},
+          {"hair", glm::vec3(1), 0.74f, true},
           {"brows", glm::vec3(1), 0.85f, true},
           {"shirt", glm::vec3(1), 0.9f, true},
           {"eye", glm::vec3(1), 0.12f}};

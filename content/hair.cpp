@@ -140,7 +140,7 @@ FacePart hair() {
       spine.push_back(head::onto(at, 2, height));
       at += tangential(way, head::normal(spine.back())) * (length / kSegments);
     }
-    const dvec3 dark(0.026, 0.016, 0.011), light(0.088, 0.053, 0.032);
+    const dvec3 dark(0.030, 0.018, 0.011), light(0.110, 0.064, 0.036);
     addRibbon(part, spine, glm::mix(0.15, 0.24, top), {root}, glm::mix(dark, light, shade * shade),
               0.35 * stray, kHairs);
   }

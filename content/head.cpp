@@ -31,7 +31,9 @@ double distance(dvec3 p) {
   neck = join(neck, limb(q, {0.0, -8.6, -1.9}, {0.0, -12.8, -5.6}, 2.3, 2.4), 2.8);
   neck = join(neck, limb(q, {6.0, -4.0, -9.2}, {1.3, -15.5, -4.2}, 1.0, 0.45), 1.2);
   neck = join(neck, limb(q, {2.5, -8.4, -11.6}, {11.3, -20.0, -10.8}, 1.6, 2.0), 4.0);
-  neck = join(neck, limb(q, {0.0, -22.0, -8.3}, {15.5, -22.0, -9.0}, 4.9, 4.3), 4.0);
+  // No ridge down the breast, where the shoulders meet.
+  const dvec3 wide(std::sqrt(p.x * p.x + 12.0), p.y, p.z);
+  neck = join(neck, limb(wide, {0.0, -22.0, -8.3}, {15.8, -22.0, -9.0}, 4.9, 4.3), 4.0);
   d = join(d, neck, 3.0);
 
   // Cheekbones and cheeks.

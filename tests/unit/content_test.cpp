@@ -14,6 +14,7 @@
 #include <map>
 #include <set>
 
+#include "content/head.h"
 #include "content/models.h"
 #include "content/noise.h"
 #include "content/surface_net.h"
@@ -339,6 +340,14 @@ TEST(Content, SkinHasColourAndPores) {
   EXPECT_LT(scalp.color.r, 0.4 * cheek.color.r);
   EXPECT_GT(cheek.slope, 3.0);
   EXPECT_LT(scalp.slope, 1.0);
+}
+
+// The shoulders meet in it: a light from the side showed a line from the collar down.
+TEST(Content, NoRidgeRunsDownTheBreast) {
+  for (const double height : {-20.0, -21.0, -22.0}) {
+    const glm::dvec3 aside = head::trace({0.5, height, 10.0}, {0.0, 0.0, -1.0});
+    EXPECT_LT(std::abs(head::normal(aside).x), 0.05) << height;
+  }
 }
 
 TEST(Content, EarsStandOutOfTheHead) {
