@@ -21,6 +21,8 @@ void orient(const Camera& camera, CameraFrame& frame) {
   const float yaw = glm::radians(camera.yaw), pitch = glm::radians(camera.pitch);
   frame.back = {std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)};
   frame.up = {-std::sin(yaw) * std::sin(pitch), std::cos(pitch), -std::cos(yaw) * std::sin(pitch)};
+  if (camera.z_up)
+    for (glm::vec3* axis : {&frame.back, &frame.up}) *axis = {axis->x, -axis->z, axis->y};
   frame.right = glm::cross(frame.up, frame.back);
 }
 
@@ -65,10 +67,11 @@ Facing facing(std::span<const Float3> positions, std::span<const uint32_t> indic
           std::clamp(pitch, -kLargestPitch, kLargestPitch)};
 }
 
-Camera fitCamera(std::span<const Float3> positions, float aspect, float yaw, float pitch) {
+Camera fitCamera(std::span<const Float3> positions, float aspect, float yaw, float pitch, bool z_up) {
   Camera camera;
   camera.yaw = yaw;
   camera.pitch = pitch;
+  camera.z_up = z_up;
   CameraFrame frame;
   orient(camera, frame);
   const glm::mat3 view = glm::transpose(glm::mat3(frame.right, frame.up, frame.back));

@@ -312,55 +312,68 @@ std::vector<Action> Editor::cameraActions() {
       s.camera.pitch = pitch;
     };
   };
-  return {{.id = "view.all",
-           .menu = "View",
-           .label = "Frame all",
-           .chord = {.key = 'A'},
-           .tip = "Move the camera so that everything is seen",
-           .run =
-               [this] {
-                 if (frame_) viewport_.frameAll(state_, *frame_);
-               },
-           .enabled = is_open,
-           .separated = true},
-          {.id = "view.selected",
-           .menu = "View",
-           .label = "Frame layer",
-           .chord = {.key = 'F'},
-           .tip = "Move the camera to where the selected layer reaches",
-           .run =
-               [this] {
-                 if (frame_) viewport_.frameLayer(state_, *frame_);
-               },
-           .enabled = is_open},
-          {.id = "view.front",
-           .menu = "View",
-           .label = "From the front",
-           .chord = {.key = 'T'},
-           .tip = "Camera at the front",
-           .run = turned(0, 0),
-           .enabled = is_open},
-          {.id = "view.side",
-           .menu = "View",
-           .label = "From the side",
-           .chord = {.key = 'R'},
-           .tip = "Camera at the character's left",
-           .run = turned(90, 0),
-           .enabled = is_open},
-          {.id = "view.lights",
-           .menu = "View",
-           .label = "Turn lights",
-           .chord = {.key = 'L'},
-           .tip = "Turn the lights by 15 degrees; right drag in the view turns them freely",
-           .run = [&s] { s.light_yaw = std::remainder(s.light_yaw + 15.0f, 360.0f); },
-           .enabled = is_open},
-          {.id = "view.lights_back",
-           .menu = "View",
-           .label = "Lights back",
-           .chord = {.key = 'L', .shift = true},
-           .tip = "Lights as at the start",
-           .run = [&s] { s.light_yaw = 0.0f; },
-           .enabled = is_open}};
+  return {
+      {.id = "view.all",
+       .menu = "View",
+       .label = "Frame all",
+       .chord = {.key = 'A'},
+       .tip = "Move the camera so that everything is seen",
+       .run =
+           [this] {
+             if (frame_) viewport_.frameAll(state_, *frame_);
+           },
+       .enabled = is_open,
+       .separated = true},
+      {.id = "view.selected",
+       .menu = "View",
+       .label = "Frame layer",
+       .chord = {.key = 'F'},
+       .tip = "Move the camera to where the selected layer reaches",
+       .run =
+           [this] {
+             if (frame_) viewport_.frameLayer(state_, *frame_);
+           },
+       .enabled = is_open},
+      {.id = "view.front",
+       .menu = "View",
+       .label = "From the front",
+       .chord = {.key = 'T'},
+       .tip = "Camera at the front",
+       .run = turned(0, 0),
+       .enabled = is_open},
+      {.id = "view.side",
+       .menu = "View",
+       .label = "From the side",
+       .chord = {.key = 'R'},
+       .tip = "Camera at the character's left",
+       .run = turned(90, 0),
+       .enabled = is_open},
+      {.id = "view.z_up",
+       .menu = "View",
+       .label = "Z is up",
+       .chord = {.key = 'U'},
+       .tip = "Stand a character upright whose file has Z up, and orbit round that; as meshes of some tools",
+       .run =
+           [this] {
+             state_.camera = {.z_up = !state_.camera.z_up};
+             if (frame_) viewport_.frameAll(state_, *frame_);
+           },
+       .enabled = is_open,
+       .checked = [&s] { return s.camera.z_up; }},
+      {.id = "view.lights",
+       .menu = "View",
+       .label = "Turn lights",
+       .chord = {.key = 'L'},
+       .tip = "Turn the lights by 15 degrees; right drag in the view turns them freely",
+       .run = [&s] { s.light_yaw = std::remainder(s.light_yaw + 15.0f, 360.0f); },
+       .enabled = is_open},
+      {.id = "view.lights_back",
+       .menu = "View",
+       .label = "Lights back",
+       .chord = {.key = 'L', .shift = true},
+       .tip = "Lights as at the start",
+       .run = [&s] { s.light_yaw = 0.0f; },
+       .enabled = is_open}};
 }
 
 std::vector<Action> Editor::screenActions() {

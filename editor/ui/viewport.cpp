@@ -117,6 +117,7 @@ uint32_t Pane::draw(const State& state, const std::shared_ptr<Shown>& shown, con
     for (float part : {c.target.x, c.target.y, c.target.z, c.distance, c.yaw, c.pitch, c.field_of_view,
                        o.light_yaw, input.scale})
       key.add(part);
+    key.add(c.z_up);
     key.add(live ? paint->stroke() : uint64_t{0});
     key.add(input.palette);
     key.add(input.morph_weights);
@@ -232,7 +233,7 @@ void Viewport::contextLost() {
 
 void Viewport::fit(State& state, const preview::PosedFrame& frame, std::span<const Float3> positions) {
   const preview::Camera before = state.camera;
-  state.camera = preview::fitCamera(positions, aspect_, before.yaw, before.pitch);
+  state.camera = preview::fitCamera(positions, aspect_, before.yaw, before.pitch, before.z_up);
   state.camera.target.x += static_cast<float>(frame.origin[0]);
   state.camera.target.y += static_cast<float>(frame.origin[1]);
   state.camera.target.z += static_cast<float>(frame.origin[2]);

@@ -858,6 +858,23 @@ TEST(CameraTest, ZoomsOnCharactersOfEverySize) {
   }
 }
 
+TEST(CameraTest, StandsUprightWhereZIsUp) {
+  const std::vector<Float3> tall = {{0, 0, 0}, {1, 0, 0}, {0, 0, 6}, {1, 0, 6}};
+  const auto seen = [&](bool z_up, float yaw, size_t index) {
+    const preview::Camera camera = preview::fitCamera(tall, 1.0f, yaw, 0.0f, z_up);
+    const Float3 p = tall[index];
+    const glm::vec4 clip =
+        preview::cameraFrame(camera, 1.0f).view_projection * glm::vec4(p.x, p.y, p.z, 1.0f);
+    return glm::vec2(clip) / clip.w;
+  };
+  for (const float yaw : {0.0f, 40.0f}) {
+    EXPECT_GT(seen(true, yaw, 2).y, 0.8f);
+    EXPECT_LT(seen(true, yaw, 0).y, -0.8f);
+  }
+  EXPECT_LT(std::abs(seen(false, 0.0f, 2).y), 0.1f);
+  EXPECT_GT(seen(true, 0.0f, 1).x, seen(true, 0.0f, 0).x);  // not mirrored
+}
+
 // The whole editor on a small screen, with files that change between two scripts.
 class ScreenTest : public SessionTest {
  protected:
