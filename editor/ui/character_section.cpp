@@ -108,7 +108,8 @@ bool texels(const char* id, const char* label, uint32_t& now, uint32_t least, co
 
 void drawCharacterSection(State& state, const preview::PosedFrame* frame, float unit) {
   if (!section("section.character", "All layers",
-               "What holds for every layer: the rest pose, the weld and the sizes of maps", false))
+               "What holds for every layer: the rest pose, the weld, the sizes of maps and what is hidden",
+               false))
     return;
   drawRest(state, frame);
   const Recipe& recipe = state.session.document.recipe();
@@ -131,6 +132,17 @@ void drawCharacterSection(State& state, const preview::PosedFrame* frame, float 
              "Largest side, in texels, of the model's own colour and normal maps, which the asset keeps for "
              "previews, up to 8192; a game has its own"))
     state.editAll("Model's maps", [&](Recipe& edited) { edited.preview_size = size; });
+  std::vector<std::string> names = recipe.hidden, hidden = recipe.hidden;
+  if (state.session.shown())
+    for (const Part& part : state.session.shown()->view().parts) {
+      addName(names, part.mesh);
+      addName(names, part.material);
+    }
+  if (!names.empty() && choices("hidden", "Hidden", hidden, names,
+                                "Meshes and materials that previews do not draw, such as a shell around the "
+                                "eyes that a game makes see-through; they are cooked all the same",
+                                "None"))
+    state.editAll("Hidden", [&](Recipe& edited) { edited.hidden = hidden; });
 }
 
 }  // namespace furrow::editor::ui

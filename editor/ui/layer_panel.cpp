@@ -132,10 +132,6 @@ bool painted(const State& state, Painted kind) {
   return channel == 0 && file == paintedFile(document.content(), document.file(), layer, kind);
 }
 
-void addName(std::vector<std::string>& names, std::string_view name) {
-  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
-}
-
 bool channelRow(const std::string& id, uint32_t& channel) {
   constexpr const char* kChannels[] = {"r", "g", "b", "a"};
   int index = static_cast<int>(channel);

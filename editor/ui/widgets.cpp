@@ -302,9 +302,9 @@ bool choice(const char* id, const char* label, std::string& value, std::span<con
 }
 
 bool choices(const char* id, const char* label, std::vector<std::string>& chosen,
-             std::span<const std::string> names, const char* tip) {
+             std::span<const std::string> names, const char* tip, const char* empty) {
   row(label);
-  const std::string text = chosen.empty()       ? "All"
+  const std::string text = chosen.empty()       ? empty
                            : chosen.size() == 1 ? chosen.front()
                                                 : std::to_string(chosen.size()) + " chosen";
   const bool open = ImGui::BeginCombo(hidden(id).c_str(), text.c_str());
@@ -317,7 +317,7 @@ bool choices(const char* id, const char* label, std::vector<std::string>& chosen
     return clicked;
   };
   ImGui::PushItemFlag(ImGuiItemFlags_SelectableDontClosePopup, true);
-  if (item("All##all", "(all)", chosen.empty())) chosen.clear();
+  if (item(std::string(empty) + "##all", "(all)", chosen.empty())) chosen.clear();
   ImGui::Separator();
   for (const std::string& name : names) {
     const auto found = std::find(chosen.begin(), chosen.end(), name);
@@ -330,6 +330,10 @@ bool choices(const char* id, const char* label, std::vector<std::string>& chosen
   ImGui::PopItemFlag();
   ImGui::EndCombo();
   return used;
+}
+
+void addName(std::vector<std::string>& names, std::string_view name) {
+  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
 }
 
 bool direction(const char* id, const char* label, std::array<double, 3>& value, const char* tip) {

@@ -62,9 +62,12 @@ bool choice(const char* id, const char* label, int& index, std::span<const char*
             const char* tip);
 bool choice(const char* id, const char* label, std::string& value, std::span<const std::string> names,
             const char* tip);
-// Which of some names; empty means all. A click on a name chooses it alone, adds it or takes it away.
+// Which of some names; none is what `empty` says. A click on a name chooses it alone, adds it or takes it
+// away.
 bool choices(const char* id, const char* label, std::vector<std::string>& chosen,
-             std::span<const std::string> names, const char* tip);
+             std::span<const std::string> names, const char* tip, const char* empty = "All");
+// Adds a name that is not empty and not there yet.
+void addName(std::vector<std::string>& names, std::string_view name);
 bool direction(const char* id, const char* label, std::array<double, 3>& value, const char* tip);  // never 0
 bool field(const char* id, const char* label, std::string& value, const char* tip);  // on Enter or leaving
 // Of names that are too long the end shows: those of morph targets differ there.

@@ -151,9 +151,42 @@ class Cook {
   void check() {
     report_.warnings = scene_.warnings;
     for (LayerRecipe& layer : recipe_.layers) resolveDrivers(layer);
+    checkHidden();
+    const auto* rest = std::get_if<RestClip>(&recipe_.rest);
+    const Clip* clip = rest ? findClip(scene_.rig, rest->clip) : nullptr;
+    if (clip && rest->time > clip->duration + 0.001) {
+      char text[80];
+      std::snprintf(text, sizeof text, " ends at %.4g s, before %.4g s: its last pose is taken",
+                    clip->duration, rest->time);
+      warn("rest: clip \"" + clip->name + '"' + text);
+    }
     if (scene_.rig.palette.size() > kMaxPaletteEntries || scene_.rig.morphs.size() > 65535)
       throw Error(Exit::kBadData, scene_.file.string(), "it has more than 65536 joints or morph targets",
                   "split it into several files");
+  }
+
+  const Material* materialOf(const SourceScene& scene, const Part& part) const {
+    return part.material < scene.materials.size() ? &scene.materials[part.material] : nullptr;
+  }
+
+  bool isHidden(const SourceScene& scene, const Part& part) const {
+    const Material* material = materialOf(scene, part);
+    return std::ranges::any_of(recipe_.hidden, [&](const std::string& name) {
+      return name == part.mesh || (material && name == material->name);
+    });
+  }
+
+  void checkHidden() const {
+    if (recipe_.hidden.empty()) return;
+    std::set<std::string> known;
+    for (const Part& part : scene_.parts) {
+      known.insert(part.mesh);
+      if (const Material* material = materialOf(scene_, part)) known.insert(material->name);
+    }
+    for (const std::string& name : recipe_.hidden)
+      if (!known.contains(name))
+        throw Error(Exit::kBadData, recipe_file_, "hidden: there is no mesh or material \"" + name + '"',
+                    "the file has: " + joinNames({known.begin(), known.end()}));
   }
 
   // Names the morph targets as the file does, and takes tables apart.
@@ -197,10 +230,10 @@ class Cook {
     dependencies_.insert(dependencies_.end(), ground_->dependencies.begin(), ground_->dependencies.end());
     for (size_t i = 0; i < ground_->packed.parts.size(); ++i) {
       PackedPart& part = ground_->packed.parts[i];
-      const uint32_t material = ground_->scene.parts[i].material;
-      part.base_maps = material < ground_->scene.materials.size() && part.has_uvs
-                           ? base_maps_.of_material[material]
-                           : kAbsent;
+      const Part& source = ground_->scene.parts[i];
+      const Material* material = materialOf(ground_->scene, source);
+      part.base_maps = material && part.has_uvs ? base_maps_.of_material[source.material] : kAbsent;
+      part.base_color.a = isHidden(ground_->scene, source) ? 0.0f : material ? material->base_color.a : 1.0f;
     }
   }
 

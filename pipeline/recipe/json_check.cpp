@@ -133,6 +133,13 @@ class SyntaxCheck : public nlohmann::json_sax<json> {
     if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF")) {
       what = "it is UTF-16";
       remedy = "save it as UTF-8";
+    } else if (what.find("ill-formed UTF-8") != std::string::npos) {
+      what = "it is not UTF-8";
+      remedy = "save it as UTF-8";
+    } else if (text_.find_first_not_of(" \t\r\n\xEF\xBB\xBF") == std::string::npos) {
+      what = "nothing stands in it";
+    } else if (what.find("object key - invalid literal") != std::string::npos) {
+      remedy = "put keys and texts in double quotes";
     } else if (what.find("backslash") != std::string::npos) {
       remedy = "write paths with /";
     } else if (end < text_.size() && (text_[end] == ']' || text_[end] == '}') && last != std::string::npos &&
@@ -245,7 +252,9 @@ class Checker {
     }
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(found, ignored))
-      fail(path, "no such file " + found.string(), "paths are relative to the " + kind_);
+      fail(
+          path, "no such file " + found.string(),
+          name.find('\\') == std::string::npos ? "paths are relative to the " + kind_ : "write paths with /");
     files.push_back(std::move(found));
   }
 

@@ -40,6 +40,7 @@ class Reader {
       recipe.weld_tolerance = j["weld"]["tolerance"].get<double>();
     recipe.map_size = j.value("mapSize", 0u);
     recipe.preview_size = j.value("previewSize", recipe.preview_size);
+    recipe.hidden = strings(j, "hidden");
     for (const json& l : j["layers"]) {
       recipe.layers.push_back(layer(l, "layers[" + std::to_string(recipe.layers.size()) + ']'));
       for (size_t i = 0; i + 1 < recipe.layers.size(); ++i)

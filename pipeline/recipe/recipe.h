@@ -125,6 +125,7 @@ struct Recipe {
   uint32_t map_size =
       0;  // largest side of a wrinkle map in texels; 0: worked out from the spacing, at most 2048
   uint32_t preview_size = 1024;  // longest side of the model's own maps that are kept for previews; 0: none
+  std::vector<std::string> hidden;  // meshes and materials that previews do not draw
   std::vector<LayerRecipe> layers;
 };
 

@@ -238,6 +238,9 @@ const JsonShape& recipeShape() {
         "Largest side, in texels, of the model's own colour and normal maps, which the asset keeps for "
         "previews; 0 "
         "leaves them out. Default 1024."},
+       {"hidden", list(text("the name of a mesh or material"), 1, kMany),
+        "Meshes and materials that previews do not draw, such as a shell around the eyes that a game makes "
+        "see-through; they are cooked all the same."},
        {"layers", list(describeLayer(), 1, kMaxLayers), "The wrinkle layers.", true}});
   return shape;
 }

@@ -28,6 +28,7 @@ class Writer {
       out["weld"] = {{"tolerance", number(static_cast<float>(*recipe.weld_tolerance))}};
     if (recipe.map_size != 0) out["mapSize"] = recipe.map_size;
     if (recipe.preview_size != Recipe().preview_size) out["previewSize"] = recipe.preview_size;
+    if (!recipe.hidden.empty()) out["hidden"] = recipe.hidden;
     out["layers"] = json::array();
     for (const LayerRecipe& l : recipe.layers) out["layers"].push_back(layer(l));
     return out;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <iterator>
@@ -177,11 +178,19 @@ std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene&
 }
 
 void requireInRange(const SourceScene& scene, std::span<const glm::vec3> positions) {
-  constexpr float kFarthest = 1e18f;
-  for (const glm::vec3& p : positions)
+  constexpr float kFarthest = 1e18f, kSmallest = 1e-18f;
+  glm::vec3 low(kFarthest), high(-kFarthest);
+  for (const glm::vec3& p : positions) {
     if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest))  // nor NaN
       throw Error(Exit::kBadData, scene.file.string(), "a vertex lies more than 1e18 units out, or nowhere",
                   "look at its positions, the transforms of its nodes and its inverse bind matrices");
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const float extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+  if (extent > 0.0f && extent < kSmallest)
+    throw Error(Exit::kBadData, scene.file.string(), "it is smaller than 1e-18 units",
+                "look at its positions and the scales of its nodes");
 }
 
 const Clip* findClip(const Rig& rig, const std::string& name) {

@@ -27,8 +27,9 @@ std::vector<glm::dvec3> restPositions(const SourceScene& scene, const Rest& rest
 // other edges, another unit of length.
 std::vector<glm::dvec3> restOffsets(const SourceScene& scene, const SourceScene& file);
 
-// Throws Error (kBadData) naming the scene's file where a position is so far out that the squares of lengths
-// there are no floats (the transforms of its nodes and skins may lead there, whatever the mesh holds).
+// Throws Error (kBadData) naming the scene's file where a position is so far out, or all of them so close
+// together but not at one place, that the squares of lengths there are no floats (the transforms of its nodes
+// and skins may lead there, whatever the mesh holds).
 void requireInRange(const SourceScene& scene, std::span<const glm::vec3> positions);
 
 // By name, or by number if no clip has that name; null if there is none.

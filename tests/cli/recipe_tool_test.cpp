@@ -161,6 +161,31 @@ TEST_F(RecipeTool, ALayerThatShowsNowhereIsSaid) {
   EXPECT_EQ(errorsOf("[1,0,0]").find("nowhere"), std::string::npos);
 }
 
+TEST_F(RecipeTool, ARestThatTheFileLacksIsSaid) {
+  const auto cookRest = [&](const std::string& rest) {
+    return cook({"--recipe", write("rest.json", R"({"rest":)" + rest + R"(,"layers":[{"name":"a"}]})")});
+  };
+  const Outcome typo = cookRest(R"({"morphs":{"squeze":1}})");
+  EXPECT_EQ(typo.status, 1);
+  EXPECT_EQ(typo.err,
+            "furrow: " + source.string() + ": it has no morph target \"squeze\": it has: squeeze\n");
+  GltfBuilder builder;
+  builder.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  builder.add<float>({0, 2}, "SCALAR", 1);
+  builder.add<float>({0, 0, 0, 1, 0, 0}, "VEC3", 3);
+  source = write(
+      "moving.glb",
+      builder.glb(R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"animations":[{"name":"go",)"
+                  R"("samplers":[{"input":1,"output":2}],"channels":[{"sampler":0,"target":{"node":0,)"
+                  R"("path":"translation"}}]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])"));
+  EXPECT_EQ(cookRest(R"({"clip":"go","time":2})").err.find("is over"), std::string::npos);
+  const Outcome late = cookRest(R"({"clip":"go","time":3.5})");
+  EXPECT_EQ(late.status, 0);
+  EXPECT_NE(late.err.find("warning: rest: clip \"go\" ends at 2 s, before 3.5 s: its last pose is taken\n"),
+            std::string::npos)
+      << late.err;
+}
+
 TEST_F(RecipeTool, AnotherRecipeIsNotReplacedUnasked) {
   const std::string mine = write("mine.json", "mine");
   expectRefused(cook({"--init", mine}), 2, mine + ": it exists already");

@@ -803,6 +803,10 @@ click map_size.256
 wheel map_size -40
 click preview_size
 click "preview_size.Left out"
+wheel preview_size -40
+click hidden
+click hidden.Sheet
+key Escape
 wait
 key Ctrl+S
 expect saved
@@ -815,8 +819,8 @@ wait
 expect message "relaxed.obj"
 )");
   const std::string text = readText(folder() / "sheet.json");
-  for (const char* part :
-       {"\"morphs\": { \"squeeze\": 0.", "\"tolerance\": 0.0", "\"mapSize\": 256", "\"previewSize\": 0"})
+  for (const char* part : {"\"morphs\": { \"squeeze\": 0.", "\"tolerance\": 0.0", "\"mapSize\": 256",
+                           "\"previewSize\": 0", "\"hidden\": [\"Sheet\"]"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 

@@ -10,6 +10,8 @@
 
 #include "pipeline/cook/cook.h"
 #include "pipeline/cook/cook_cache.h"
+#include "pipeline/cook/cook_memory.h"
+#include "pipeline/error.h"
 #include "pipeline/import/formats.h"
 #include "pipeline/import/import.h"
 #include "pipeline/maps/color.h"
@@ -367,6 +369,34 @@ TEST(BaseMaps, TheFactorsOpacityCountsWhereTheMaterialSaysSo) {
       if (!textured) continue;
       EXPECT_NEAR(mapsOf(result).opaque_from, opaque_from, 1e-6f) << mode << factor;
     }
+  }
+}
+
+TEST(BaseMaps, WhatTheRecipeHidesIsNotSeen) {
+  Square square;
+  const fs::path file =
+      square.write("hidden.glb", square.embedded(fileOf(quadrants(4), "png")), "\"source\":0",
+                   "\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.25]}");
+  CookMemory memory;
+  const auto opacity = [&](const std::vector<std::string>& hidden) {
+    Recipe recipe = defaultRecipe();
+    recipe.hidden = hidden;
+    CookOptions options;
+    options.memory = &memory;
+    Asset asset;
+    EXPECT_TRUE(asset.load(cook(import(file), recipe, options).bytes).ok());
+    return asset.view().parts[0].base_color.w;
+  };
+  EXPECT_EQ(opacity({"mesh 0"}), 0.0f);
+  EXPECT_EQ(opacity({"skin"}), 0.0f);
+  EXPECT_EQ(opacity({}), 0.25f);
+  try {
+    opacity({"skim"});
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::kBadData);
+    EXPECT_EQ(error.what(),
+              file.string() + ": hidden: there is no mesh or material \"skim\": the file has: mesh 0, skin");
   }
 }
 

@@ -26,6 +26,7 @@ constexpr const char* kEverything = R"({
   "weld": { "tolerance": 0.001 },
   "mapSize": 512,
   "previewSize": 256,
+  "hidden": ["Occlusion", "lashes"],
   "layers": [
     { "name": "forehead",
       "meshes": ["Head", "Brows"], "materials": ["skin"],
@@ -97,6 +98,7 @@ TEST_F(RecipeTest, ReadsEveryKey) {
   EXPECT_EQ(recipe.weld_tolerance, 0.001);
   EXPECT_EQ(recipe.map_size, 512u);
   EXPECT_EQ(recipe.preview_size, 256u);
+  EXPECT_THAT(recipe.hidden, ElementsAre("Occlusion", "lashes"));
   ASSERT_EQ(recipe.layers.size(), 7u);
 
   const LayerRecipe& a = recipe.layers[0];
@@ -308,6 +310,14 @@ TEST_F(RecipeTest, SyntaxErrorsSayWhere) {
   EXPECT_THAT(layerError(R"("compress": {"height": "maps\map.png"})"),
               testing::EndsWith(": write paths with /"));
   EXPECT_EQ(errorOf(std::string("\xFF\xFE{\0}\0", 6)), "line 1, column 1: it is UTF-16: save it as UTF-8");
+  EXPECT_EQ(errorOf("{\"layers\": [{\"name\": \"\xE4\"}]}"),
+            "line 1, column 24: it is not UTF-8: save it as UTF-8");
+  EXPECT_THAT(errorOf(" \r\n"), testing::HasSubstr(": nothing stands in it: "));
+  for (const char* bare : {"{layers: []}", "{'layers': []}"})
+    EXPECT_THAT(errorOf(bare), testing::EndsWith(": put keys and texts in double quotes")) << bare;
+  EXPECT_EQ(
+      layerError(R"("mask": {"texture": "..\\map.png"})"),
+      "layers[0].mask.texture: no such file " + (folder_ / "..\\map.png").string() + ": write paths with /");
   EXPECT_THAT(errorOf("{} {}"), testing::StartsWith("line 1, column 4: "));
   EXPECT_THAT(errorOf("{\"layers\": NaN}"), testing::StartsWith("line 1, column 12: "));
   EXPECT_THAT(errorOf("\"\xff\""), testing::StartsWith("line 1, column 2: "));

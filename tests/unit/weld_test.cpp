@@ -171,6 +171,16 @@ TEST(Weld, PositionsThatAreNoNumbersAreRefused) {
     }
 }
 
+TEST(Weld, AMeshTooSmallForItsSquaresIsRefused) {
+  for (const float size : {0.0f, 1e-17f, 1e-19f, 1e-30f}) {
+    const glm::vec3 positions[] = {{0, 0, 0}, {0, size, 0}};
+    if (size == 0.0f || size > 1e-18f)
+      EXPECT_NO_THROW(pipeline::requireInRange({}, positions)) << size;
+    else
+      EXPECT_THROW(pipeline::requireInRange({}, positions), pipeline::Error) << size;
+  }
+}
+
 // Every different source position leads through the hash to its place.
 TEST(Weld, JitteredPositionsAreKeysOfOnePlace) {
   const SourceScene scene = twoSheets(2.4e-7f);
