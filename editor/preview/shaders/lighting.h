@@ -108,7 +108,7 @@ FURROW_FUNCTION float viewLight(vec3 form, vec3 v, vec3 key) {
 // How far off the surface, in texels of the shadow map, its light is looked up: farther where light grazes it, so that
 // neither a facet nor the curve of the form shades itself.
 FURROW_FUNCTION float shadowLift(float cosine) {
-  return mix(13.0f, 3.0f, smoothstep(-0.1f, 0.9f, cosine));
+  return mix(13.0f, 4.0f, smoothstep(-0.1f, 0.9f, cosine));
 }
 
 // What reaches the surface of the key light: `lit` is the share of samples that the shadow map has in the light, `at`
