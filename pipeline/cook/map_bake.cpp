@@ -397,8 +397,7 @@ class MapBake {
     warn(set, " are too uneven for layer \"" + recipe_.layers[layer].name +
                   "\": " + std::to_string(static_cast<int>(100.0 * coarse / area)) +
                   "% of it has less than a third of the texels that wrinkles take; it gets weights, but no "
-                  "wrinkle map; "
-                  "unwrap the mesh more evenly");
+                  "wrinkle map; unwrap the mesh more evenly");
     return true;
   }
 
