@@ -40,6 +40,7 @@ struct Executor::State {
   // Of the raster form.
   std::array<GLuint, kBuffers> texels{};  // buffer textures
   GLuint sums[2] = {}, framebuffer = 0, vertex_array = 0;
+  GLint clip_distances = 0;  // that the context has
   bool debug = false;
   bool some = false;                 // kInstances is not all of them
   uint32_t active_layers = 0xffffu;  // of the last upload
@@ -168,6 +169,7 @@ GLuint Executor::State::programOf(const Item& item, Status& status) const {
 Status Executor::State::makeSums() {
   const SumsDesc& desc = plan->sums();
   glGenVertexArrays(1, &vertex_array);
+  clip_distances = limit(GL_MAX_CLIP_DISTANCES);
   glGenFramebuffers(1, &framebuffer);
   const auto side = static_cast<uint32_t>(limit(GL_MAX_TEXTURE_SIZE));
   if (desc.width > side || desc.height > side)
@@ -209,7 +211,7 @@ void Executor::State::setState() const {
   for (GLenum off : {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_COLOR_LOGIC_OP,
                      GL_RASTERIZER_DISCARD, GL_PRIMITIVE_RESTART, GL_PROGRAM_POINT_SIZE})
     glDisable(off);
-  for (int plane = 0; plane < limit(GL_MAX_CLIP_DISTANCES); ++plane)
+  for (int plane = 0; plane < clip_distances; ++plane)
     glDisable(GL_CLIP_DISTANCE0 + static_cast<GLenum>(plane));
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glPointSize(1.0f);
